@@ -1,0 +1,62 @@
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "core/map/height_map.h"
+
+namespace cairn {
+
+/// Names a submap for ever: the robot's boot (a random number drawn when the agent starts) and a
+/// count within it.
+struct SubmapId {
+  std::uint64_t boot = 0;
+  std::uint32_t sequence = 0;
+  friend auto operator<=>(const SubmapId&, const SubmapId&) = default;
+};
+
+struct SubmapIdHash {
+  std::size_t operator()(const SubmapId& id) const {
+    return std::hash<std::uint64_t>{}(id.boot * 0x9E3779B97F4A7C15ULL + id.sequence);
+  }
+};
+
+/// Where a submap's frame lies in the site: integers, as on disk and wire. Submaps are level
+/// (gravity is measured), so only yaw turns them.
+struct SubmapPose {
+  std::int32_t x_mm = 0;
+  std::int32_t y_mm = 0;
+  std::int32_t z_mm = 0;
+  std::int32_t yaw_1e4rad = 0;  ///< [1e-4 rad], Limit: ±31416
+  friend bool operator==(const SubmapPose&, const SubmapPose&) = default;
+};
+
+/// The unit of evidence (T2.2.3, design §3): what a robot saw on one stretch of its way, on its
+/// own grid. Heights are above the submap's origin.
+struct Submap {
+  SubmapId id;
+  SubmapPose T_site_submap;
+  /// The tallest surface at each cell, by the rules of T4.3.
+  HeightMap surface;
+  /// Where beams passed *below* what the robot's long-term map holds: per cell the lowest beam and
+  /// the probability that nothing stands above it. This is how removed objects are unlearned.
+  HeightMap seen_through;
+  bool closed = false;  ///< The robot will add nothing more.
+
+  Submap(SubmapId submap_id, SubmapPose pose, int cell_size_mm)
+      : id(submap_id), T_site_submap(pose), surface(cell_size_mm), seen_through(cell_size_mm) {}
+};
+
+/// The layers of a submap, as they are named on disk and wire.
+enum class EvidenceLayer : std::uint8_t { surface = 0, seen_through = 1 };
+
+[[nodiscard]] inline const HeightMap& layer_of(const Submap& submap, EvidenceLayer layer) {
+  return layer == EvidenceLayer::surface ? submap.surface : submap.seen_through;
+}
+[[nodiscard]] inline HeightMap& layer_of(Submap& submap, EvidenceLayer layer) {
+  return layer == EvidenceLayer::surface ? submap.surface : submap.seen_through;
+}
+
+}  // namespace cairn

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/common/result.h"
+#include "core/map/height_map.h"
+
+namespace cairn {
+
+/// A dense window of a map, row by row from the south-west: what conversion and planning read.
+struct HeightGrid {
+  CellIndex origin;  ///< The map's cell at (0, 0) of the window.
+  int width = 0;
+  int height = 0;
+  int cell_size_mm = 125;
+  std::vector<std::int32_t> height_mm;
+  std::vector<std::uint8_t> probability;  ///< 0 = unknown.
+
+  /// [cells] Windows beyond this are refused.
+  static constexpr std::int64_t kMaxCells = std::int64_t{1} << 27;
+
+  [[nodiscard]] bool contains(CellIndex c) const {
+    return c.x >= origin.x && c.y >= origin.y && c.x - origin.x < width && c.y - origin.y < height;
+  }
+  /// Requires: contains(c).
+  [[nodiscard]] std::size_t at(CellIndex c) const {
+    return static_cast<std::size_t>(c.y - origin.y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(c.x - origin.x);
+  }
+};
+
+/// Cells from `lowest` to `highest`, both included. `exhausted` when beyond kMaxCells.
+[[nodiscard]] Result<HeightGrid> empty_grid(CellIndex lowest, CellIndex highest, int cell_size_mm);
+/// Copies the part of a tile that lies in the grid. Cells below `min_probability` stay unknown.
+void draw_tile(HeightGrid& grid, const TileKey& key, const Tile& tile, std::uint8_t min_probability);
+
+/// What a vehicle can drive over and where it fits (T4.2: about 0.1 m for the ATRV-Jr).
+struct VehicleLimits {
+  std::int32_t climb_mm = 100;    ///< Highest step up from one cell to the next. [Limit: ≥ 0]
+  std::int32_t descend_mm = 100;  ///< Deepest step down. [Limit: ≥ 0]
+  double radius_m = 0.35;  ///< Centres stay this far from obstacles. [Limit: 0 … 10]
+
+  friend bool operator==(const VehicleLimits&, const VehicleLimits&) = default;
+};
+
+enum class CellClass : std::uint8_t { unknown = 0, free = 1, obstacle = 2 };
+
+/// Converts heights to free / obstacle / unknown (T4.3.1): a known cell that stands above one of
+/// its eight known neighbours by more than the vehicle can both climb and descend is an obstacle;
+/// only the -z difference counts, so a cliff is marked at its top. Steps that the vehicle manages
+/// one way only stay free here: the planner forbids the other way.
+[[nodiscard]] std::vector<CellClass> classify(const HeightGrid& grid, const VehicleLimits& limits);
+
+}  // namespace cairn

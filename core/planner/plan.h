@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/planner/trulla.h"
+
+namespace cairn {
+
+enum class PathStatus : std::uint8_t {
+  complete,  ///< Leads to the goal.
+  partial,   ///< Leads to the reachable place nearest the goal (only when asked for).
+  none,      ///< `why` says what is in the way.
+};
+
+struct Path {
+  PathStatus status = PathStatus::none;
+  std::string why;                       ///< Empty when complete.
+  std::vector<Eigen::Vector2d> points_m;  ///< In the site frame, from the start to the end.
+  double length_m = 0.0;
+  double cost_m = 0.0;  ///< [m of level driving] along the field from the start.
+};
+
+struct PlanRequest {
+  Eigen::Vector2d start_m;
+  Eigen::Vector2d goal_m;
+  bool allow_partial = false;
+  /// [m] The path's points may be simplified by this much, never through a closed cell.
+  double tolerance_m = 0.06;
+};
+
+/// Plans with Trulla from start to goal. A start in a closed cell (too near an obstacle, or on
+/// unknown ground) first leaves it by the shortest straight way to an open cell within
+/// 2 · radius + 2 cells. Goals outside the map, on an obstacle, too near one, unknown, or cut off
+/// give `none` with that reason, or `partial` when allowed. Non-finite coordinates give `none`.
+[[nodiscard]] Path plan(const DrivableGrid& grid, const PlanRequest& request,
+                        const PlannerConfig& config);
+
+/// The path along the field's directions from `start`, both ends included; empty when unreachable.
+[[nodiscard]] std::vector<CellIndex> follow(const Field& field, CellIndex start);
+
+/// Fewer points: drops those within `tolerance_m` of the line between kept ones (Douglas & Peucker
+/// 1973) where that line crosses only open cells, cutting no corner.
+[[nodiscard]] std::vector<Eigen::Vector2d> simplify(const DrivableGrid& grid,
+                                                    const std::vector<CellIndex>& cells,
+                                                    double tolerance_m);
+
+/// Whether the straight line crosses only open cells (every cell it touches, corners included).
+[[nodiscard]] bool line_is_open(const DrivableGrid& grid, const Eigen::Vector2d& from_m,
+                                const Eigen::Vector2d& to_m);
+
+}  // namespace cairn

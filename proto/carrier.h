@@ -1,0 +1,42 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/common/result.h"
+
+namespace cairn::proto {
+
+/// [bytes] No frame is larger: with IP and carrier headers it stays below every usual MTU.
+inline constexpr std::size_t kMaxFrameBytes = 1200;
+
+/// A frame and who it came from or goes to. `peer` is the carrier's own name for the other end; a
+/// robot has one peer and leaves it empty.
+struct Datagram {
+  std::string peer;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Moves frames ≤ kMaxFrameBytes, best effort: they may be lost, doubled or reordered, never split.
+/// send and receive may be called from different threads; each from one at a time.
+class Carrier {
+ public:
+  Carrier() = default;
+  virtual ~Carrier() = default;
+  Carrier(const Carrier&) = delete;
+  Carrier& operator=(const Carrier&) = delete;
+
+  /// An error means the frame certainly did not leave; success promises nothing.
+  virtual Status send(const Datagram& frame) = 0;
+  /// The next frame, waiting at most `timeout`; nullopt when none came.
+  virtual Result<std::optional<Datagram>> receive(std::chrono::milliseconds timeout) = 0;
+  /// [bytes] What a frame costs on the wire beyond its own bytes (IP headers included).
+  [[nodiscard]] virtual std::size_t overhead_bytes() const = 0;
+};
+
+}  // namespace cairn::proto

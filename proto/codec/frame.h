@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/common/result.h"
+#include "proto/carrier.h"
+#include "proto/codec/records.h"
+
+namespace cairn::proto {
+
+inline constexpr std::uint8_t kProtocolVersion = 1;
+
+enum class Direction : std::uint8_t { up = 0, down = 1 };  ///< up: robot → server.
+
+struct FrameHeader {
+  Direction direction = Direction::up;
+  std::uint32_t session = 0;  ///< 0 before Welcome.
+  std::uint32_t number = 0;   ///< Counts up from 1 in each direction of a session.
+  friend bool operator==(const FrameHeader&, const FrameHeader&) = default;
+};
+
+struct Frame {
+  FrameHeader header;
+  std::vector<Record> records;
+};
+
+/// Fills one frame record by record.
+class FrameWriter {
+ public:
+  explicit FrameWriter(FrameHeader header);
+  /// False, changing nothing, when the record does not fit any more.
+  bool add(const Record& record);
+  [[nodiscard]] bool empty() const;  ///< No record yet.
+  [[nodiscard]] std::size_t size_bytes() const;
+  /// Closes the frame with its checksum.
+  [[nodiscard]] std::vector<std::uint8_t> finish() &&;
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Reads a whole frame or says what is wrong with it: magic, version, direction, checksum, every
+/// record's length, enum and bound. Never reads outside, never allocates more than a small multiple
+/// of the frame's size.
+[[nodiscard]] Result<Frame> decode_frame(std::span<const std::uint8_t> bytes,
+                                         Direction expected_direction);
+
+/// CRC-32C (Castagnoli) as in iSCSI; CRC of "123456789" is 0xE3069283.
+[[nodiscard]] std::uint32_t crc32c(std::span<const std::uint8_t> bytes);
+
+}  // namespace cairn::proto

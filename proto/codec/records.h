@@ -1,0 +1,183 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/delta/block.h"
+#include "core/map/submap.h"
+
+/// The records that frames are made of. PROTOCOL.md says who sends each and when; the bounds here
+/// are checked on decoding, and what breaks one is refused.
+namespace cairn::proto {
+
+inline constexpr std::size_t kMaxNameBytes = 32;   ///< Robot ids and site names: [a-z0-9_-]+
+inline constexpr std::size_t kMaxTextBytes = 160;  ///< Reasons for people, UTF-8.
+inline constexpr std::size_t kMaxPathPoints = 512;
+inline constexpr std::size_t kMaxPartPoints = 100;
+
+// ---- robot → server -------------------------------------------------------------------------
+
+/// Opens a session. `boot` names this run of the agent (and its submaps); `clock_ms` is the robot's
+/// monotonic clock.
+struct Hello {
+  std::string robot;
+  std::string site;
+  std::uint64_t boot = 0;
+  std::uint16_t cell_size_mm = 0;  ///< [Limit: 10 … 2000]
+  std::uint64_t clock_ms = 0;
+  friend bool operator==(const Hello&, const Hello&) = default;
+};
+
+enum class DriveState : std::uint8_t { idle = 0, driving = 1, blocked = 2, stopped = 3 };
+
+/// Where the robot is and what it does; newest only, never resent.
+struct PoseReport {
+  std::uint64_t clock_ms = 0;  ///< Robot's monotonic clock when this was true.
+  SubmapPose T_site_robot;
+  std::int16_t roll_1e4rad = 0;   ///< [1e-4 rad]
+  std::int16_t pitch_1e4rad = 0;  ///< [1e-4 rad]
+  std::uint16_t sigma_mm = 0;     ///< Standard deviation of the position, saturating.
+  std::int16_t speed_mm_s = 0;
+  DriveState drive = DriveState::idle;
+  std::uint64_t command = 0;       ///< Command being carried out; 0 = none.
+  std::uint32_t to_go_mm = 0;      ///< Distance left along the path.
+  std::uint32_t backlog_blocks = 0;  ///< Evidence blocks not yet acknowledged.
+  friend bool operator==(const PoseReport&, const PoseReport&) = default;
+};
+
+/// A submap's head. When `closed`, `blocks` tells how many blocks it has in all, so that the server
+/// knows when it holds everything.
+struct SubmapHead {
+  std::uint32_t sequence = 0;
+  std::uint32_t version = 0;  ///< Counts changes of this head. [Limit: ≥ 1]
+  SubmapPose T_site_submap;
+  bool closed = false;
+  std::uint32_t blocks = 0;           ///< [Limit: ≤ kMaxSubmapBlocks]
+  std::uint64_t final_versions = 0;   ///< Sum of all blocks' versions when closed, else 0.
+  friend bool operator==(const SubmapHead&, const SubmapHead&) = default;
+};
+inline constexpr std::uint32_t kMaxSubmapBlocks = 65536;
+
+/// New values of one block: from any version ≥ `base` to `version`.
+struct BlockUpdate {
+  std::uint32_t sequence = 0;  ///< Of the submap.
+  BlockKey key;
+  std::uint32_t base = 0;     ///< [Limit: < version]
+  std::uint32_t version = 0;
+  BlockDelta delta;
+};
+
+enum class CommandState : std::uint8_t {
+  accepted = 1,
+  refused = 2,
+  superseded = 3,
+  arrived = 4,
+  stopped = 5,
+  expired = 6,
+  blocked = 7,  ///< Waits for a new path; `why` says what is in the way.
+};
+
+/// What became of a command. Resent until acknowledged.
+struct CommandReport {
+  std::uint64_t command = 0;
+  std::uint32_t revision = 0;  ///< Of the path it speaks of.
+  CommandState state = CommandState::accepted;
+  std::string why;
+  friend bool operator==(const CommandReport&, const CommandReport&) = default;
+};
+
+/// The session ends in good order.
+struct Bye {
+  friend bool operator==(const Bye&, const Bye&) = default;
+};
+
+// ---- server → robot -------------------------------------------------------------------------
+
+/// Answers Hello. `epoch` names the site's store: another epoch holds nothing of what an earlier
+/// one acknowledged.
+struct Welcome {
+  std::uint32_t session = 0;  ///< [Limit: ≠ 0]
+  std::uint64_t boot = 0;     ///< Echo, so that a late answer to an older Hello is recognised.
+  std::uint64_t epoch = 0;
+  friend bool operator==(const Welcome&, const Welcome&) = default;
+};
+
+enum class RejectReason : std::uint8_t {
+  robot_id_in_use = 1,
+  unknown_site = 2,
+  cell_size_differs = 3,
+  server_full = 4,
+  bad_name = 5,
+};
+
+/// Answers Hello: no session.
+struct Reject {
+  std::uint64_t boot = 0;
+  RejectReason reason = RejectReason::server_full;
+  std::string text;
+  friend bool operator==(const Reject&, const Reject&) = default;
+};
+
+/// "I do not know this session: say Hello."
+struct Reset {
+  friend bool operator==(const Reset&, const Reset&) = default;
+};
+
+/// "I hold version `held` of this block, which is older than your base": send from there.
+struct Refusal {
+  std::uint32_t sequence = 0;
+  BlockKey key;
+  std::uint32_t held = 0;
+  friend bool operator==(const Refusal&, const Refusal&) = default;
+};
+
+enum class CommandKind : std::uint8_t { go_to = 1, stop = 2 };
+enum class OnLinkLoss : std::uint8_t { proceed = 0, stop = 1 };
+
+/// What the operator wants, with its validity in the robot's own clock. Resent (with fresh times)
+/// until reported on; `revision` counts new paths for the same goal.
+struct Command {
+  std::uint64_t id = 0;  ///< [Limit: ≠ 0] Greater than every earlier command to this robot.
+  std::uint32_t revision = 0;
+  CommandKind kind = CommandKind::stop;
+  std::string issuer;
+  std::uint64_t expires_clock_ms = 0;  ///< Robot's clock; after it the robot stops.
+  OnLinkLoss on_link_loss = OnLinkLoss::stop;
+  std::uint32_t link_timeout_ms = 0;  ///< Silence from the server that counts as link loss.
+  std::uint64_t map_version = 0;      ///< Snapshot the path was planned on.
+  std::int32_t goal_x_mm = 0;
+  std::int32_t goal_y_mm = 0;
+  std::uint16_t path_points = 0;  ///< In all parts. [Limit: ≤ kMaxPathPoints]
+  friend bool operator==(const Command&, const Command&) = default;
+};
+
+/// Points `first` … of a command's path.
+struct PathPart {
+  std::uint64_t command = 0;
+  std::uint32_t revision = 0;
+  std::uint16_t first = 0;
+  struct Point {
+    std::int32_t x_mm = 0;
+    std::int32_t y_mm = 0;
+    friend bool operator==(const Point&, const Point&) = default;
+  };
+  std::vector<Point> points;  ///< [Limit: 1 … kMaxPartPoints]
+  friend bool operator==(const PathPart&, const PathPart&) = default;
+};
+
+// ---- both ways ------------------------------------------------------------------------------
+
+/// Frames received: all up to `cumulative`, and cumulative + 2 + i for each set bit i. A robot's
+/// frame is acknowledged only when everything in it is durable.
+struct Ack {
+  std::uint32_t cumulative = 0;
+  std::uint64_t bitmap = 0;
+  friend bool operator==(const Ack&, const Ack&) = default;
+};
+
+using Record = std::variant<Hello, PoseReport, SubmapHead, BlockUpdate, CommandReport, Bye, Welcome,
+                            Reject, Reset, Refusal, Command, PathPart, Ack>;
+
+}  // namespace cairn::proto
