@@ -5,6 +5,7 @@
 #include <compare>
 #include <cstdint>
 #include <functional>
+#include <unordered_map>
 #include <vector>
 
 #include "core/map/submap.h"
@@ -48,8 +49,9 @@ struct BlockDelta {
 /// apply(base, diff(base, now)) == now.
 [[nodiscard]] BlockDelta diff(const Tile* base, const Tile* now, std::uint8_t block);
 
-/// Writes the delta's cells. Applying twice changes nothing more. False, changing nothing, when a
-/// height does not fit the tile's datum.
+/// Writes the delta's cells, making the tile with the delta's datum if a known cell needs it.
+/// Applying twice changes nothing more. False, changing nothing, when a height does not fit the
+/// tile's datum or HeightMap::storable. Requires: key.block < 16.
 bool apply(HeightMap& map, const BlockKey& key, const BlockDelta& delta);
 
 /// Sender's record of what changed when, for one submap: which version of a block first held the

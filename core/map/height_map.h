@@ -39,14 +39,15 @@ class HeightMap {
   [[nodiscard]] const Tile* find(const TileKey& key) const;
   [[nodiscard]] Tile* find(const TileKey& key);
   /// The tile, made on first use with the datum `height_mm` rounded to a whole metre.
+  /// Requires: storable(height_mm).
   Tile& make(const TileKey& key, std::int32_t height_mm);
   void insert(const TileKey& key, const Tile& tile);
   void erase(const TileKey& key) { tiles_.erase(key); }
 
-  /// Unknown where no tile is.
+  /// Cell{} where nothing is known.
   [[nodiscard]] Cell cell(CellIndex index, std::int8_t level = 0) const;
   /// Sets a cell, making the tile if needed. Returns false, changing nothing, when the height is
-  /// not representable around the tile's datum.
+  /// not representable around the tile's datum or not storable at all.
   bool set(CellIndex index, const Cell& cell, std::int8_t level = 0);
 
   using Tiles = std::unordered_map<TileKey, std::unique_ptr<Tile>, TileKeyHash>;
@@ -60,8 +61,14 @@ class HeightMap {
 
   /// [m] Coordinates beyond this from the origin are refused everywhere in Cairn.
   static constexpr double kMaxExtentM = 100'000.0;
+  /// Whether a height lies within kMaxExtentM of the origin.
+  [[nodiscard]] static constexpr bool storable(std::int32_t height_mm) {
+    return height_mm >= -kMaxHeightMm && height_mm <= kMaxHeightMm;
+  }
 
  private:
+  static constexpr std::int32_t kMaxHeightMm = 100'000'000;
+
   int cell_size_mm_;
   Tiles tiles_;
 };

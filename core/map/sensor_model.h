@@ -15,8 +15,10 @@ struct SensorModel {
   /// [1/255] Below this a cell is unknown again. [Limit: 1 … 127]
   std::uint8_t min_probability = 25;
   /// [1/255] Confidence never exceeds this, so that a changed world is learned in bounded time.
+  /// [Limit: hit_probability … 254]
   std::uint8_t max_probability = 250;
-  /// [mm] Hits this near the stored height are readings of the same surface. [Limit: ≥ 1]
+  /// [mm] Hits this near the stored height are readings of the same surface.
+  /// [Limit: 1 … 10000]
   std::int32_t tolerance_mm = 50;
   /// [-] Hits the running mean of a surface's height remembers. [Limit: 1 … 255]
   int mean_memory_hits = 12;
@@ -31,5 +33,12 @@ struct SensorModel {
 /// a·b / (a·b + (1-a)·(1-b)), rounded to nearest, in integers so that it is the same everywhere.
 /// Requires: not one of them 0 and the other 255.
 [[nodiscard]] std::uint8_t combine(std::uint8_t a, std::uint8_t b);
+
+/// How many hits a surface of this probability stands for: ln(p/(1-p)) / ln(h/(1-h)), h being the
+/// hit probability, rounded, in [1, mean_memory_hits]. At max_probability further hits leave no
+/// trace, so it stands for as many as are remembered. The same on every machine: no case lies so
+/// near a rounding limit that the last digits of a logarithm could decide it.
+/// Requires: a sound model.
+[[nodiscard]] int hits_behind(std::uint8_t probability, const SensorModel& model);
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -53,7 +54,12 @@ class Tile {
   }
   /// Requires: representable(cell.height_mm) or the cell is unknown. An unknown cell is stored as
   /// height 0 at the datum, so that equal maps are equal bytes.
-  void set(int i, const Cell& cell);
+  void set(int i, const Cell& cell) {
+    assert(!cell.known() || representable(cell.height_mm));
+    height_mm_[at(i)] =
+        cell.known() ? static_cast<std::int16_t>(cell.height_mm - datum_mm_) : std::int16_t{0};
+    probability_[at(i)] = cell.probability;
+  }
 
   [[nodiscard]] int known_count() const;
   friend bool operator==(const Tile&, const Tile&) = default;

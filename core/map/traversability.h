@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "core/common/result.h"
@@ -22,7 +21,9 @@ struct HeightGrid {
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 27;
 
   [[nodiscard]] bool contains(CellIndex c) const {
-    return c.x >= origin.x && c.y >= origin.y && c.x - origin.x < width && c.y - origin.y < height;
+    const std::int64_t x = std::int64_t{c.x} - origin.x;
+    const std::int64_t y = std::int64_t{c.y} - origin.y;
+    return x >= 0 && y >= 0 && x < width && y < height;
   }
   /// Requires: contains(c).
   [[nodiscard]] std::size_t at(CellIndex c) const {
@@ -31,16 +32,19 @@ struct HeightGrid {
   }
 };
 
-/// Cells from `lowest` to `highest`, both included. `exhausted` when beyond kMaxCells.
+/// Cells from `lowest` to `highest`, both included. `exhausted` when beyond kMaxCells;
+/// invalid_argument when `highest` is below `lowest` or the cell size is not above 0.
 [[nodiscard]] Result<HeightGrid> empty_grid(CellIndex lowest, CellIndex highest, int cell_size_mm);
 /// Copies the part of a tile that lies in the grid. Cells below `min_probability` stay unknown.
-void draw_tile(HeightGrid& grid, const TileKey& key, const Tile& tile, std::uint8_t min_probability);
+void draw_tile(HeightGrid& grid, const TileKey& key, const Tile& tile,
+               std::uint8_t min_probability);
 
 /// What a vehicle can drive over and where it fits (T4.2: about 0.1 m for the ATRV-Jr).
 struct VehicleLimits {
   std::int32_t climb_mm = 100;    ///< Highest step up from one cell to the next. [Limit: ≥ 0]
   std::int32_t descend_mm = 100;  ///< Deepest step down. [Limit: ≥ 0]
-  double radius_m = 0.35;  ///< Centres stay this far from obstacles. [Limit: 0 … 10]
+  double radius_m =
+      0.5;  ///< Centres stay this far from obstacles: it can turn on the spot. [Limit: 0 … 10]
 
   friend bool operator==(const VehicleLimits&, const VehicleLimits&) = default;
 };

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "core/map/height_map.h"
@@ -9,38 +13,102 @@
 
 namespace cairn {
 
-/// The cell after a hit at `height_mm` (T4.3): unknown or lower than the hit by more than the
-/// tolerance → the hit replaces it; within the tolerance → probabilities combine (Eq. 1) and the
-/// height is the running mean of the surface's hits; hits lower than that are ignored.
-[[nodiscard]] Cell after_hit(const Cell& cell, std::int32_t height_mm, const SensorModel& model);
+/// The rules of T4.3 for one cell, with the sensor model worked out into tables. Integers only:
+/// the same readings leave the same bits on every machine.
+class CellRules {
+ public:
+  /// Requires: a sound model (see faults()).
+  explicit CellRules(const SensorModel& model);
 
-/// The cell after a beam passed through its column at `beam_height_mm` (T4.3): if that is below
-/// the stored height by more than the tolerance the probability falls, and below the model's
-/// minimum the cell is unknown again; else nothing changes.
-[[nodiscard]] Cell after_pass(const Cell& cell, std::int32_t beam_height_mm,
-                              const SensorModel& model);
+  /// The cell after a hit at `height_mm`: unknown or lower than the hit by more than the tolerance
+  /// → the hit replaces it; within the tolerance → probabilities combine (Eq. 1) and the height is
+  /// the running mean of the surface's hits; hits lower than that are ignored.
+  [[nodiscard]] Cell after_hit(const Cell& cell, std::int32_t height_mm) const;
+
+  /// The cell after a beam passed through its column at `beam_height_mm`: if that is below the
+  /// stored height by more than the tolerance the probability falls, and below the model's minimum
+  /// the cell is unknown again; else nothing changes.
+  [[nodiscard]] Cell after_pass(const Cell& cell, std::int32_t beam_height_mm) const;
+
+  /// Whether a beam at this height passed below the cell's surface.
+  [[nodiscard]] bool passed_below(const Cell& cell, std::int32_t beam_height_mm) const {
+    return cell.known() && std::int64_t{cell.height_mm} - beam_height_mm > model_.tolerance_mm;
+  }
+
+  [[nodiscard]] const SensorModel& model() const { return model_; }
+
+ private:
+  SensorModel model_;
+  // By the stored probability; [0] is not used.
+  std::array<std::uint8_t, 256> probability_after_hit_{};
+  std::array<std::uint8_t, 256> probability_after_pass_{};
+  std::array<std::uint8_t, 256> hits_behind_{};
+};
+
+/// A beam passing below a surface that another map believes in (see Submap::seen_through).
+struct Contradiction {
+  CellIndex cell;
+  std::int32_t beam_height_mm = 0;  ///< The lowest of the scan's beams there.
+};
 
 /// What one scan did to a map.
 struct ScanEffect {
-  std::vector<CellIndex> changed;    ///< Each cell once; its value differs from before the scan.
-  std::int64_t beams = 0;            ///< Beams integrated.
+  std::vector<CellIndex> changed;  ///< Each cell once; its value differs from before the scan.
+  std::vector<Contradiction> contradictions;  ///< Each cell at most once, sorted by y, then x.
+  std::int64_t beams = 0;                     ///< Beams integrated.
   std::int64_t unrepresentable = 0;  ///< Hits too far from their tile's datum to be stored.
 };
 
-/// A beam passing low over a surface that another map believes in (see SeenThrough).
-struct Contradiction {
-  CellIndex cell;
-  std::int32_t beam_height_mm = 0;
-};
+/// Integrates scans into maps by the rules of T4.3. Keeps its working memory from scan to scan;
+/// not thread-safe, one for each thread.
+class ScanIntegrator {
+ public:
+  /// Requires: a sound model (see faults()).
+  explicit ScanIntegrator(const SensorModel& model) : rules_(model) {}
 
-/// Integrates a scan into `map` by the rules of T4.3. First every beam's free part (cells with a
-/// hit in this same scan, and the beam's last cell, are spared: a beam that grazes a wall must not
-/// erase it), then the hits. With `ground_along_beam` the free part also counts as hits on the
-/// ground at `ground_height_mm`.
-/// `reference` may be null; where a beam passes below a known surface of it by more than the
-/// tolerance, a contradiction is appended to `contradictions` (at most one per cell and scan).
-ScanEffect integrate_scan(HeightMap& map, const std::vector<Beam>& beams, const SensorModel& model,
-                          bool ground_along_beam, std::int32_t ground_height_mm,
-                          const HeightMap* reference, std::vector<Contradiction>* contradictions);
+  /// First every beam's free part (cells with a hit in this same scan, and the beam's last cell,
+  /// are spared: a beam that grazes a wall must not erase it), then the hits. With
+  /// `ground_height_mm` the free part also counts as hits on ground at that height
+  /// (LaserSpec::ground_along_beam). Where a beam's free part passes below a known surface of
+  /// `reference` (may be null; same frame and cell size as `map`, not `map` itself) by more than
+  /// the tolerance, that is a contradiction. Beams that are not finite or leave
+  /// HeightMap::kMaxExtentM are skipped.
+  ScanEffect integrate(HeightMap& map, const std::vector<Beam>& beams,
+                       std::optional<std::int32_t> ground_height_mm, const HeightMap* reference);
+
+ private:
+  using CellBits = std::array<std::uint64_t, Tile::kCells / 64>;
+
+  /// One tile's part in the scan.
+  struct TileWork {
+    TileKey key;
+    Tile* tile = nullptr;             ///< Null while the map has none.
+    const Tile* reference = nullptr;  ///< Null where the reference has none.
+    CellBits hit{};                   ///< Cells with a hit in this scan.
+    CellBits touched{};               ///< Cells whose value before the scan is in `before_`.
+  };
+  struct Before {
+    const TileWork* work;
+    int index;
+    Cell cell;
+  };
+  struct Scene;
+
+  TileWork& work_at(Scene& scene, CellIndex cell);
+  TileWork& open_work(Scene& scene, const TileKey& key);
+  void mark_hits(Scene& scene, const std::vector<Beam>& beams);
+  void integrate_free_part(Scene& scene, const Beam& beam);
+  [[nodiscard]] bool concerns(const Scene& scene, const TileWork& work, int index,
+                              std::int32_t beam_height_mm) const;
+  void pass(Scene& scene, TileWork& work, CellIndex cell, std::int32_t beam_height_mm);
+  void hit(Scene& scene, TileWork& work, int index, std::int32_t height_mm);
+  void store(TileWork& work, int index, const Cell& before, const Cell& after);
+  void collect(Scene& scene);
+
+  CellRules rules_;
+  std::unordered_map<TileKey, TileWork*, TileKeyHash> open_;
+  std::vector<std::unique_ptr<TileWork>> pool_;
+  std::vector<Before> before_;
+};
 
 }  // namespace cairn

@@ -16,10 +16,11 @@ enum class PathStatus : std::uint8_t {
 
 struct Path {
   PathStatus status = PathStatus::none;
-  std::string why;                       ///< Empty when complete.
+  std::string why;                        ///< Empty when complete.
   std::vector<Eigen::Vector2d> points_m;  ///< In the site frame, from the start to the end.
   double length_m = 0.0;
-  double cost_m = 0.0;  ///< [m of level driving] along the field from the start.
+  /// [m of level driving] along the field from the start; leaving a closed start counts its length.
+  double cost_m = 0.0;
 };
 
 struct PlanRequest {
@@ -32,8 +33,11 @@ struct PlanRequest {
 
 /// Plans with Trulla from start to goal. A start in a closed cell (too near an obstacle, or on
 /// unknown ground) first leaves it by the shortest straight way to an open cell within
-/// 2 · radius + 2 cells. Goals outside the map, on an obstacle, too near one, unknown, or cut off
-/// give `none` with that reason, or `partial` when allowed. Non-finite coordinates give `none`.
+/// 2 · radius + 2 cells (256 cells at most) from which the goal can be reached; that way passes no
+/// obstacle and no step beyond the limits. The path begins at the true start and, when complete,
+/// ends at the exact goal; a partial one ends at the middle of a cell. Goals outside the map, on an
+/// obstacle, too near one, unknown, or cut off give `none` with that reason, or `partial` when
+/// allowed. Non-finite coordinates give `none`.
 [[nodiscard]] Path plan(const DrivableGrid& grid, const PlanRequest& request,
                         const PlannerConfig& config);
 
@@ -41,9 +45,15 @@ struct PlanRequest {
 [[nodiscard]] std::vector<CellIndex> follow(const Field& field, CellIndex start);
 
 /// Fewer points: drops those within `tolerance_m` of the line between kept ones (Douglas & Peucker
-/// 1973) where that line crosses only open cells, cutting no corner.
+/// 1973) where that line crosses only open cells, cutting no corner, and no step beyond the limits
+/// in the direction of travel. Corners are looked at 1024 at a time, which bounds the time.
 [[nodiscard]] std::vector<Eigen::Vector2d> simplify(const DrivableGrid& grid,
                                                     const std::vector<CellIndex>& cells,
+                                                    double tolerance_m);
+
+/// The same for points [m]; the first and the last are kept.
+[[nodiscard]] std::vector<Eigen::Vector2d> simplify(const DrivableGrid& grid,
+                                                    const std::vector<Eigen::Vector2d>& points_m,
                                                     double tolerance_m);
 
 /// Whether the straight line crosses only open cells (every cell it touches, corners included).

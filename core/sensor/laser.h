@@ -18,7 +18,7 @@ struct LaserSpec {
   double first_angle_rad = radians(-90.0);  ///< Angle of beam 0 from the sensor's x axis.
   double step_rad = radians(1.0);           ///< Angle between beams; negative turns clockwise.
   double min_range_m = 0.1;
-  double max_range_m = 30.0;                ///< A reading at or above it is "no return".
+  double max_range_m = 30.0;  ///< A reading at or above it is "no return".
   /// Planar scanner on flat ground (replay of 2-D logs): the free part of each beam is taken as
   /// ground at the robot's foot, the hit as an obstacle as high as the beam.
   bool ground_along_beam = false;

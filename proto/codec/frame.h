@@ -11,6 +11,11 @@
 namespace cairn::proto {
 
 inline constexpr std::uint8_t kProtocolVersion = 1;
+inline constexpr std::size_t kFrameHeaderBytes = 12;
+inline constexpr std::size_t kChecksumBytes = 4;
+/// A decoded record takes about 2 kB however short it was on the wire: this bounds what a frame can
+/// make the receiver allocate.
+inline constexpr std::size_t kMaxFrameRecords = 64;
 
 enum class Direction : std::uint8_t { up = 0, down = 1 };  ///< up: robot → server.
 
@@ -30,20 +35,23 @@ struct Frame {
 class FrameWriter {
  public:
   explicit FrameWriter(FrameHeader header);
-  /// False, changing nothing, when the record does not fit any more.
+  /// False, changing nothing, when the record does not fit any more. Texts are cut to their bound.
+  /// Requires: every other field within its bounds.
   bool add(const Record& record);
-  [[nodiscard]] bool empty() const;  ///< No record yet.
-  [[nodiscard]] std::size_t size_bytes() const;
+  [[nodiscard]] bool empty() const { return records_ == 0; }
+  /// [bytes] Of the finished frame.
+  [[nodiscard]] std::size_t size_bytes() const { return bytes_.size() + kChecksumBytes; }
   /// Closes the frame with its checksum.
   [[nodiscard]] std::vector<std::uint8_t> finish() &&;
 
  private:
   std::vector<std::uint8_t> bytes_;
+  std::size_t records_ = 0;
 };
 
 /// Reads a whole frame or says what is wrong with it: magic, version, direction, checksum, every
-/// record's length, enum and bound. Never reads outside, never allocates more than a small multiple
-/// of the frame's size.
+/// record's length, enum and bound. Never reads outside, never allocates for more than
+/// kMaxFrameRecords records.
 [[nodiscard]] Result<Frame> decode_frame(std::span<const std::uint8_t> bytes,
                                          Direction expected_direction);
 

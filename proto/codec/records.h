@@ -16,6 +16,10 @@ inline constexpr std::size_t kMaxNameBytes = 32;   ///< Robot ids and site names
 inline constexpr std::size_t kMaxTextBytes = 160;  ///< Reasons for people, UTF-8.
 inline constexpr std::size_t kMaxPathPoints = 512;
 inline constexpr std::size_t kMaxPartPoints = 100;
+/// [mm] Of every position, goal, path point and tile datum (HeightMap::kMaxExtentM).
+inline constexpr std::int32_t kMaxCoordinateMm = 100'000'000;
+inline constexpr std::int32_t kMaxYaw1e4rad = 31416;
+inline constexpr std::int32_t kMaxTileCoordinate = 1 << 20;  ///< |tx|, |ty|; level: any int8.
 
 // ---- robot → server -------------------------------------------------------------------------
 
@@ -41,8 +45,8 @@ struct PoseReport {
   std::uint16_t sigma_mm = 0;     ///< Standard deviation of the position, saturating.
   std::int16_t speed_mm_s = 0;
   DriveState drive = DriveState::idle;
-  std::uint64_t command = 0;       ///< Command being carried out; 0 = none.
-  std::uint32_t to_go_mm = 0;      ///< Distance left along the path.
+  std::uint64_t command = 0;         ///< Command being carried out; 0 = none.
+  std::uint32_t to_go_mm = 0;        ///< Distance left along the path.
   std::uint32_t backlog_blocks = 0;  ///< Evidence blocks not yet acknowledged.
   friend bool operator==(const PoseReport&, const PoseReport&) = default;
 };
@@ -54,17 +58,17 @@ struct SubmapHead {
   std::uint32_t version = 0;  ///< Counts changes of this head. [Limit: ≥ 1]
   SubmapPose T_site_submap;
   bool closed = false;
-  std::uint32_t blocks = 0;           ///< [Limit: ≤ kMaxSubmapBlocks]
-  std::uint64_t final_versions = 0;   ///< Sum of all blocks' versions when closed, else 0.
+  std::uint32_t blocks = 0;          ///< [Limit: ≤ kMaxSubmapBlocks]
+  std::uint64_t final_versions = 0;  ///< Sum of all blocks' versions when closed, else 0.
   friend bool operator==(const SubmapHead&, const SubmapHead&) = default;
 };
 inline constexpr std::uint32_t kMaxSubmapBlocks = 65536;
 
-/// New values of one block: from any version ≥ `base` to `version`.
+/// New values of one block: from any version ≥ `base` to `version`. At least one cell changed.
 struct BlockUpdate {
   std::uint32_t sequence = 0;  ///< Of the submap.
   BlockKey key;
-  std::uint32_t base = 0;     ///< [Limit: < version]
+  std::uint32_t base = 0;  ///< [Limit: < version]
   std::uint32_t version = 0;
   BlockDelta delta;
 };

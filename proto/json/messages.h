@@ -12,6 +12,16 @@
 /// example). Metres, radians and seconds as doubles; every key has its unit as suffix.
 namespace cairn::api {
 
+/// [m] Coordinates beyond this from the site's origin are refused.
+inline constexpr double kMaxCoordinateM = 100'000.0;
+inline constexpr std::size_t kMaxNameChars = 32;  ///< Robot ids and site names: [a-z0-9_-]+
+inline constexpr std::size_t kMaxPathPoints = 4096;
+inline constexpr std::size_t kMaxTrackPoints = 100'000;  ///< Per robot.
+inline constexpr std::size_t kMaxSites = 256;
+inline constexpr std::size_t kMaxRobots = 1024;
+inline constexpr int kMinWatchPeriodMs = 100;
+inline constexpr int kMaxWatchPeriodMs = 10'000;
+
 struct PointJson {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -123,6 +133,17 @@ struct PlanReply {
   std::vector<PointJson> path;
 };
 
+struct MapRequest {
+  std::optional<std::string> site;  ///< May be left out when there is one.
+};
+
+struct WatchRequest {
+  int period_ms = 1000;  ///< [Limit: kMinWatchPeriodMs … kMaxWatchPeriodMs]
+};
+
+/// For methods without parameters and answers without content.
+struct Empty {};
+
 /// Head of a map transfer; `tiles` binary messages follow (API.md).
 struct MapReply {
   std::string site;
@@ -135,5 +156,30 @@ struct MapReply {
   /// Where each robot of `robots` was while the server watched, newest last, bounded.
   std::vector<std::vector<PointJson>> tracks;
 };
+
+/// The message as JSON. Numbers must be finite: JSON has no other.
+void to_json(nlohmann::json& json, const PointJson& message);
+void to_json(nlohmann::json& json, const LinkJson& message);
+void to_json(nlohmann::json& json, const CommandJson& message);
+void to_json(nlohmann::json& json, const RobotJson& message);
+void to_json(nlohmann::json& json, const SiteJson& message);
+void to_json(nlohmann::json& json, const StatusReply& message);
+void to_json(nlohmann::json& json, const FoundRequest& message);
+void to_json(nlohmann::json& json, const GotoRequest& message);
+void to_json(nlohmann::json& json, const StopRequest& message);
+void to_json(nlohmann::json& json, const CommandReply& message);
+void to_json(nlohmann::json& json, const PlanRequestJson& message);
+void to_json(nlohmann::json& json, const PlanReply& message);
+void to_json(nlohmann::json& json, const MapRequest& message);
+void to_json(nlohmann::json& json, const WatchRequest& message);
+void to_json(nlohmann::json& json, const Empty& message);
+void to_json(nlohmann::json& json, const MapReply& message);
+
+/// The message that `json` holds, for each struct above: `auto request = from_json<GotoRequest>(j)`.
+/// Strict: an unknown or missing key, a wrong type and a value out of its limits give
+/// invalid_argument with the key's path and what is expected there ("from.x_m: expected a number
+/// from -100000 to 100000"). Keys of requests that have a default may be left out.
+template <class T>
+[[nodiscard]] Result<T> from_json(const nlohmann::json& json);
 
 }  // namespace cairn::api

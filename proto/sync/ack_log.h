@@ -7,7 +7,8 @@
 namespace cairn::proto {
 
 /// Receiver's record of which frame numbers to acknowledge: everything up to `cumulative` and a
-/// window of 64 beyond. Numbers older than the window are treated as already acknowledged.
+/// window of 64 beyond. Numbers older than the window are treated as already acknowledged: a sender
+/// never counts on a frame that lies so far back (Flight gives it up before).
 class AckLog {
  public:
   /// Marks a frame as done (received; at the server: durable).
@@ -17,6 +18,8 @@ class AckLog {
   [[nodiscard]] Ack ack() const { return ack_; }
 
  private:
+  void slide(std::uint64_t by);  ///< Everything up to cumulative + by counts as done.
+
   Ack ack_;
 };
 

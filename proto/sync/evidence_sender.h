@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
-#include "core/common/time.h"
 #include "core/delta/block.h"
 #include "proto/codec/frame.h"
 
@@ -25,32 +25,90 @@ class EvidenceSender {
   /// before it must have been closed. Returns its reference, valid until it is closed.
   Submap& begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm);
   /// The open submap's cells changed (its surface or seen_through was written by the caller).
+  /// Requires: an open submap; at most kMaxSubmapBlocks blocks in it.
   void touch(EvidenceLayer layer, const std::vector<CellIndex>& cells);
   /// The robot will add nothing more to the open submap.
   void close();
   [[nodiscard]] Submap* open_submap();
 
-  /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first; blocks with a
-  /// delta already under way at their newest version are not repeated. Returns how many records
-  /// were added.
+  /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first. A block with
+  /// a delta under way waits until that is acknowledged or lost, so that no cell travels twice for
+  /// nothing. Until a head is acknowledged, every frame with blocks of its submap carries it too:
+  /// the peer never meets a block of a submap it does not know. Numbers ascend. Returns how many
+  /// records were added.
   int fill(FrameWriter& frame, std::uint32_t number);
+  /// Also for a frame judged lost before, while its number is within Flight::kReach of the newest.
   void on_acked(std::uint32_t number);
   /// What frame `number` carried must be sent again (in its then newest form).
   void on_lost(std::uint32_t number);
+  /// The peer holds less than it acknowledged (it never acknowledges the frame it refused).
   void on_refused(const Refusal& refusal);
   /// A new session or store epoch: nothing is under way any more; with `forget_acked` nothing
   /// counts as held either.
   void on_session(bool forget_acked);
 
-  [[nodiscard]] bool has_news() const;              ///< `fill` would add something.
-  [[nodiscard]] bool synchronised() const;          ///< The peer holds everything.
+  [[nodiscard]] bool has_news() const;               ///< `fill` would add something.
+  [[nodiscard]] bool synchronised() const;           ///< The peer holds everything.
   [[nodiscard]] std::size_t backlog_blocks() const;  ///< Blocks not acknowledged at their newest.
   [[nodiscard]] std::size_t submaps() const;
   [[nodiscard]] std::uint64_t dropped_submaps() const;
 
  private:
-  struct Outgoing;
-  // Filled in by the implementation.
+  struct Block {
+    std::uint32_t acked = 0;
+    std::uint32_t under_way = 0;  ///< Version under way; 0 = none. At most one at a time.
+    std::uint32_t carrier = 0;    ///< Number of the frame it is under way in.
+    std::uint64_t last_sent = 0;  ///< Turn in which it was last sent; 0 = never.
+  };
+  struct Head {
+    SubmapHead newest;
+    std::uint32_t acked = 0;
+    std::uint32_t under_way = 0;
+    std::uint32_t carrier = 0;
+  };
+  /// A block's place in the queue: least recently sent first, then by key.
+  using Turn = std::pair<std::uint64_t, BlockKey>;
+  struct Outgoing {
+    Outgoing(SubmapId id, SubmapPose pose, int cell_size_mm);
+    [[nodiscard]] bool head_is_news() const;
+    [[nodiscard]] bool held() const;  ///< Closed, and the peer has all of it.
+
+    Submap submap;
+    SubmapVersions versions;
+    Head head;
+    std::map<BlockKey, Block> blocks;
+    std::set<Turn> waiting;  ///< Blocks to be sent: newer than acknowledged, not under way.
+    std::size_t blocks_under_way = 0;
+  };
+  /// What a frame carried.
+  struct Cargo {
+    struct Item {
+      std::uint32_t sequence = 0;
+      std::optional<BlockKey> block;  ///< nullopt: the head.
+      std::uint32_t version = 0;
+    };
+    std::vector<Item> items;
+  };
+
+  void drop_oldest_closed();
+  int fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
+  bool add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
+  bool add_block(Outgoing& outgoing, const BlockKey& key, FrameWriter& frame, std::uint32_t number,
+                 Cargo& cargo);
+  void item_acked(const Cargo::Item& item);
+  void item_lost(const Cargo::Item& item, std::uint32_t number);
+  Outgoing* find(std::uint32_t sequence);
+  /// Puts a block where it belongs: waiting when it has news and is not under way.
+  static void queue(Outgoing& outgoing, const BlockKey& key, Block& block);
+  static void no_longer_under_way(Outgoing& outgoing, Block& block);
+
+  std::map<std::uint32_t, Outgoing> submaps_;  ///< By sequence. [Limit: ≤ kMaxSubmaps]
+  /// Frames the peer may still acknowledge, also such as were judged lost. [Limit: ≤
+  /// Flight::kReach]
+  std::map<std::uint32_t, Cargo> cargoes_;
+  std::uint32_t last_sequence_ = 0;
+  std::uint64_t turn_ = 0;
+  std::uint64_t dropped_submaps_ = 0;
 };
 
 }  // namespace cairn::proto

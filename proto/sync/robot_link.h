@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,7 +11,11 @@
 #include "core/common/result.h"
 #include "core/common/time.h"
 #include "proto/codec/frame.h"
+#include "proto/sync/ack_log.h"
 #include "proto/sync/evidence_sender.h"
+#include "proto/sync/flight.h"
+#include "proto/sync/order_desk.h"
+#include "proto/sync/report_board.h"
 
 namespace cairn::proto {
 
@@ -38,42 +44,95 @@ struct LinkCounters {
 };
 
 /// The robot's end of the link as a state machine without clock, thread or socket: bytes and the
-/// time come in, bytes go out. Priorities within a frame: acknowledgement and command reports,
-/// pose, evidence.
+/// time come in, bytes go out. `now` is the robot's monotonic clock, the same that stamps its
+/// poses. Priorities within a frame: acknowledgement and command reports, pose, evidence.
 class RobotLink {
  public:
+  /// Silence from the server, with something unanswered, after which the robot says Hello again.
+  static constexpr Duration kSilence = std::chrono::seconds(15);
+  static constexpr Duration kFirstHelloWait = std::chrono::milliseconds(300);
+  static constexpr Duration kMostHelloWait = std::chrono::seconds(5);
+  /// An acknowledgement waits this long for something to travel with.
+  static constexpr Duration kAckDelay = std::chrono::milliseconds(25);
+  /// `next_due` when nothing at all is under way or planned.
+  static constexpr Duration kNothingDue = std::chrono::hours(1);
+  static constexpr std::size_t kMaxLeftSessions = 16;  ///< Remembered, never entered again.
+
+  /// Requires: robot and site are names (text.h), cell size 10 … 2000 mm, window ≥ 2 frames.
   RobotLink(RobotLinkConfig config, std::size_t carrier_overhead_bytes);
 
   EvidenceSender& evidence() { return evidence_; }
   const EvidenceSender& evidence() const { return evidence_; }
+  /// Newest pose, sent once at its turn. Requires: within the bounds of its record.
   void set_pose(const PoseReport& pose);
+  /// Newest state of a command's revision; saying the same again changes nothing.
   void report(const CommandReport& report);
 
-  /// A command that is new or has a new revision, with its whole path (all parts arrived).
-  struct Order {
-    Command command;
-    std::vector<PathPart::Point> path;
-  };
+  using Order = proto::Order;
   /// What a frame brought. A malformed frame is counted and brings nothing.
   std::vector<Order> on_frame(std::span<const std::uint8_t> bytes, MonotonicTime now);
   /// The next frame to send now; nullopt when nothing is due. Call until nullopt.
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
   /// When `next_frame` should be asked again even if nothing arrives.
   [[nodiscard]] MonotonicTime next_due(MonotonicTime now) const;
-  /// The frame that ends the session in good order.
+  /// The frame that ends the session in good order; nullopt without a session.
   std::optional<std::vector<std::uint8_t>> goodbye();
 
-  [[nodiscard]] bool connected() const;
-  /// Time since the last valid frame from the server; nullopt before the first.
+  [[nodiscard]] bool connected() const { return phase_ == Phase::connected; }
+  /// Time since the last valid frame of a session from the server; nullopt before the first.
   [[nodiscard]] std::optional<Duration> silence(MonotonicTime now) const;
   /// Set when the server refused this robot for good; the message says what to do.
-  [[nodiscard]] const std::optional<Error>& rejected() const;
-  [[nodiscard]] const LinkCounters& counters() const;
+  [[nodiscard]] const std::optional<Error>& rejected() const { return rejected_; }
+  [[nodiscard]] const LinkCounters& counters() const { return counters_; }
   [[nodiscard]] std::optional<Duration> round_trip() const;
 
  private:
+  enum class Phase { hello, connected, rejected };
+
+  void say_hello_from(MonotonicTime now);
+  void on_answer(const Record& record, const FrameHeader& header, MonotonicTime now);
+  void on_welcome(const Welcome& welcome, MonotonicTime now);
+  void on_reject(const Reject& reject, MonotonicTime now);
+  void begin_session(const Welcome& welcome);
+  void leave_session();
+  std::vector<Order> on_session_frame(const Frame& frame, MonotonicTime now);
+  void on_ack(const Ack& ack, MonotonicTime now);
+  void take(OrderDesk::Outcome outcome, std::vector<Order>& orders);
+  void lost(const std::vector<std::uint32_t>& numbers);
+
+  std::optional<std::vector<std::uint8_t>> hello_frame(MonotonicTime now);
+  std::optional<std::vector<std::uint8_t>> session_frame(MonotonicTime now);
+  [[nodiscard]] bool silent_too_long(MonotonicTime now) const;
+  [[nodiscard]] bool pose_is_due(MonotonicTime now) const;
+  [[nodiscard]] bool something_is_due(MonotonicTime now) const;
+  [[nodiscard]] bool evidence_may_go() const;
+  std::vector<std::uint8_t> finish(FrameWriter&& frame);
+
+  RobotLinkConfig config_;
+  std::size_t overhead_bytes_;
+  Phase phase_ = Phase::hello;
+  std::optional<Error> rejected_;
+
+  std::uint32_t hellos_ = 0;
+  std::optional<MonotonicTime> hello_due_;  ///< nullopt: at once.
+  Duration hello_wait_ = kFirstHelloWait;
+  std::optional<MonotonicTime> in_use_since_;
+
+  std::uint32_t session_ = 0;                ///< 0: none, or the server forgot it.
+  std::deque<std::uint32_t> left_sessions_;  ///< [Limit: ≤ kMaxLeftSessions]
+  std::optional<std::uint64_t> epoch_;
+  Flight flight_;
+  AckLog received_;
+  std::optional<MonotonicTime> ack_due_;
+  std::optional<MonotonicTime> heard_at_;
+  std::optional<MonotonicTime> unanswered_since_;
+
   EvidenceSender evidence_;
-  // Filled in by the implementation.
+  ReportBoard reports_;
+  OrderDesk orders_;
+  std::optional<PoseReport> pose_;  ///< Not sent yet.
+  MonotonicTime pose_due_{};
+  LinkCounters counters_;
 };
 
 }  // namespace cairn::proto

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +11,9 @@
 
 #include "core/common/time.h"
 #include "proto/codec/frame.h"
+#include "proto/sync/ack_log.h"
+#include "proto/sync/flight.h"
+#include "proto/sync/order_sender.h"
 #include "proto/sync/robot_link.h"
 
 namespace cairn::proto {
@@ -17,6 +22,12 @@ namespace cairn::proto {
 /// Evidence is handed up frame by frame; the owner commits it and then says `durable(number)`.
 class ServerLink {
  public:
+  /// Frames that ask for no acknowledgement get one within this time: the robot's sign that the
+  /// server is there.
+  static constexpr Duration kLazyAckDelay = std::chrono::seconds(1);
+  static constexpr std::size_t kMaxRefusals = 256;  ///< Waiting; more are dropped, it asks again.
+
+  /// Requires: session ≠ 0, never used before for this robot's boot.
   ServerLink(std::uint32_t session, const Hello& hello, std::uint64_t epoch,
              std::size_t carrier_overhead_bytes, MonotonicTime now);
 
@@ -29,10 +40,14 @@ class ServerLink {
   using Event = std::variant<PoseReport, CommandReport, Evidence, Bye>;
 
   /// Takes an already decoded frame of this session. A frame that was seen before brings no event
-  /// (its acknowledgement is repeated). Frames without evidence are acknowledged at once.
+  /// (its acknowledgement is repeated). Frames without evidence are acknowledged at once. Poses
+  /// older than the newest and reports overtaken by newer ones bring no event either.
+  /// Requires: the frame is of this session.
   std::vector<Event> on_frame(const Frame& frame, std::size_t size_bytes, MonotonicTime now);
   /// Everything in that frame is in the store.
   void durable(std::uint32_t number);
+  /// A block of a frame was built on more than is held. The owner never calls `durable` for that
+  /// frame: its other contents come again.
   void refuse(const Refusal& refusal);
   /// Asks for a Welcome to be (re)sent: the robot said Hello again in this session.
   void welcome_again();
@@ -47,15 +62,50 @@ class ServerLink {
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
   [[nodiscard]] MonotonicTime next_due(MonotonicTime now) const;
 
-  [[nodiscard]] std::uint32_t session() const;
-  [[nodiscard]] const std::string& robot() const;
-  [[nodiscard]] std::uint64_t boot() const;
-  [[nodiscard]] Duration silence(MonotonicTime now) const;
-  [[nodiscard]] const LinkCounters& counters() const;
+  [[nodiscard]] std::uint32_t session() const { return welcome_.session; }
+  [[nodiscard]] const std::string& robot() const { return robot_; }
+  [[nodiscard]] std::uint64_t boot() const { return welcome_.boot; }
+  /// Time since the last frame of this session (or the Hello that began it).
+  [[nodiscard]] Duration silence(MonotonicTime now) const { return now - heard_at_; }
+  [[nodiscard]] const LinkCounters& counters() const { return counters_; }
   [[nodiscard]] std::optional<Duration> round_trip() const;
 
  private:
-  // Filled in by the implementation.
+  struct Stamp {
+    std::uint64_t clock_ms = 0;  ///< The robot's clock …
+    MonotonicTime at{};          ///< … was already past it at this time of ours.
+  };
+
+  struct Heard {
+    CommandReport report;
+    std::uint32_t number = 0;  ///< Frame it came in.
+  };
+
+  void on_ack(const Ack& ack, MonotonicTime now);
+  bool take(const PoseReport& pose, MonotonicTime now);
+  bool take(const CommandReport& report, std::uint32_t number);
+  void acknowledge_by(MonotonicTime due);
+  [[nodiscard]] std::uint64_t in_robot_clock(MonotonicTime time) const;
+  [[nodiscard]] bool something_is_due(MonotonicTime now) const;
+  std::vector<std::uint8_t> session_frame(MonotonicTime now);
+  void add_refusals(FrameWriter& frame);
+  void lost(const std::vector<std::uint32_t>& numbers);
+
+  Welcome welcome_;
+  std::string robot_;
+  std::size_t overhead_bytes_;
+  bool welcome_due_ = true;
+  Flight flight_{Flight::kFirstWindow};
+  AckLog received_;
+  AckLog done_;
+  std::optional<MonotonicTime> ack_due_;
+  MonotonicTime heard_at_;
+
+  Stamp stamp_;
+  OrderSender orders_;
+  std::deque<Heard> heard_;        ///< Newest report of each revision. [Limit: ≤ kMaxReports]
+  std::vector<Refusal> refusals_;  ///< [Limit: ≤ kMaxRefusals]
+  LinkCounters counters_;
 };
 
 /// What the receiver of a block does with an update, given the version it holds.

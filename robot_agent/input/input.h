@@ -18,7 +18,7 @@ using Reading = std::variant<MotionReading, Scan>;
 
 /// What the driver wants the wheels to do; held until the next one.
 struct DriveCommand {
-  double speed_m_s = 0.0;       ///< Forward.
+  double speed_m_s = 0.0;        ///< Forward.
   double turn_rate_rad_s = 0.0;  ///< Counter-clockwise.
 };
 

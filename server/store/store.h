@@ -56,9 +56,9 @@ struct TileRow {
 
 /// What one transaction writes: all of it becomes durable, or none.
 struct Transaction {
-  std::vector<SubmapRow> submaps;  ///< Inserted or replaced.
-  std::vector<BlockRow> blocks;    ///< Inserted or replaced.
-  std::vector<TileRow> tiles;      ///< Inserted or replaced.
+  std::vector<SubmapRow> submaps;            ///< Inserted or replaced.
+  std::vector<BlockRow> blocks;              ///< Inserted or replaced.
+  std::vector<TileRow> tiles;                ///< Inserted or replaced.
   std::map<std::string, std::string> notes;  ///< Small named values (next command id, …).
   [[nodiscard]] bool empty() const {
     return submaps.empty() && blocks.empty() && tiles.empty() && notes.empty();

@@ -1,0 +1,244 @@
+#include "client/cli/options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+namespace cairn::cli {
+
+namespace {
+
+template <class T>
+bool read_whole(std::string_view text, T& value) {
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return fault == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+bool read_coordinate(std::string_view text, double& value) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return read_whole(text, value) && std::isfinite(value) &&
+         std::abs(value) <= api::kMaxCoordinateM;
+}
+
+/// CLI11 validators answer with the fault's text, empty when there is none.
+std::string check_point(const std::string& text) {
+  const auto point = parse_point(text);
+  return point ? "" : point.error().message;
+}
+std::string check_server(const std::string& text) {
+  const auto address = parse_server(text);
+  return address ? "" : address.error().message;
+}
+std::string check_coordinate(const std::string& text) {
+  double value = 0.0;
+  return read_coordinate(text, value) ? "" : "expected metres from -100000 to 100000";
+}
+
+/// What CLI11 fills in; turned into an Invocation when all of it is sound.
+struct Typed {
+  std::string server = "127.0.0.1:8642";
+  Invocation invocation;
+  FoundCommand found;
+  GotoCommand go_to;
+  StopCommand stop;
+  MapCommand map;
+  PlanCommand plan;
+  std::string x;
+  std::string y;
+  std::string from;
+  std::string to;
+};
+
+CLI::App* add(CLI::App& app, const std::string& name, const std::string& what,
+              const std::string& examples) {
+  auto* sub = app.add_subcommand(name, what);
+  sub->fallthrough();
+  sub->footer("Examples:\n" + examples);
+  return sub;
+}
+
+void add_unknown(CLI::App& sub, std::string& unknown) {
+  sub.add_option("--unknown", unknown, "May the path cross what nobody has seen?")
+      ->check(CLI::IsMember({"allowed", "blocked"}))
+      ->capture_default_str();
+}
+
+template <class T>
+void add_optional(CLI::App& sub, const std::string& name, std::optional<T>& value,
+                  const std::string& what) {
+  sub.add_option_function<T>(name, [&value](const T& given) { value = given; }, what);
+}
+
+void add_goto(CLI::App& app, Typed& typed) {
+  auto* sub = add(app, "goto", "Send a robot to a place (metres east and north of the origin)",
+                  "  cairn goto 12.5 -3                 returns once the command is sent\n"
+                  "  cairn goto 12.5 -3 --follow        shows the way there; exit 0 = arrived\n"
+                  "  cairn goto 80 40 --robot r2 --unknown blocked --on-link-loss continue");
+  auto& request = typed.go_to.request;
+  sub->add_option("X", typed.x, "East [m]")->required()->check(check_coordinate);
+  sub->add_option("Y", typed.y, "North [m]")->required()->check(check_coordinate);
+  add_optional(*sub, "--robot", request.robot, "Which robot (may be left out when there is one)");
+  add_unknown(*sub, request.unknown);
+  sub->add_option("--on-link-loss", request.on_link_loss, "What to do when the link is lost")
+      ->check(CLI::IsMember({"stop", "continue"}))
+      ->capture_default_str();
+  sub->add_option("--expires", request.expires_s, "The robot stops after this [s]")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
+  sub->add_flag("--partial", request.allow_partial,
+                "Go as near as possible when there is no way");
+  sub->add_flag("--follow", typed.go_to.follow, "Show progress until the robot is there or gives up");
+}
+
+void add_plan(CLI::App& app, Typed& typed) {
+  auto* sub = add(app, "plan", "Plan a path without driving it",
+                  "  cairn plan --from 0,0 --to -12.5,3\n"
+                  "  cairn plan --from 0,0 --to 80,40 --unknown allowed --png plan.png\n"
+                  "  cairn plan --from 0,0 --to 80,40 --json");
+  auto& request = typed.plan.request;
+  sub->add_option("--from", typed.from, "Start X,Y [m]")->required()->check(check_point);
+  sub->add_option("--to", typed.to, "Goal X,Y [m]")->required()->check(check_point);
+  add_optional(*sub, "--site", request.site, "Which site (may be left out when there is one)");
+  add_unknown(*sub, request.unknown);
+  sub->add_flag("--partial", request.allow_partial,
+                "Plan as near as possible when there is no way");
+  sub->add_option("--png", typed.plan.png, "Draw the map with the path into this file");
+}
+
+void add_subcommands(CLI::App& app, Typed& typed) {
+  add(app, "status", "Show the server's sites and robots",
+      "  cairn status\n  cairn status --json | jq '.robots[].link'");
+  auto* found = add(app, "found", "Found a site: its map's name and cell size",
+                    "  cairn found yard\n  cairn found hall --cell-mm 50");
+  found->add_option("NAME", typed.found.request.site, "a-z, 0-9, _ and -, at most 32")->required();
+  found->add_option("--cell-mm", typed.found.request.cell_size_mm, "Size of a cell [mm]")
+      ->check(CLI::Range(10, 2000))
+      ->capture_default_str();
+  add_goto(app, typed);
+  auto* stop = add(app, "stop", "Stop a robot where it is", "  cairn stop\n  cairn stop --robot r2");
+  add_optional(*stop, "--robot", typed.stop.request.robot,
+               "Which robot (may be left out when there is one)");
+  auto* map = add(app, "map", "Draw a site's map",
+                  "  cairn map --png yard.png\n  cairn map --png hall.png --site hall --scale 12");
+  map->add_option("--png", typed.map.png, "File to write")->required();
+  add_optional(*map, "--site", typed.map.site, "Which site (may be left out when there is one)");
+  map->add_option("--scale", typed.map.scale, "Pixels per cell (default: by the map's size)")
+      ->check(CLI::Range(1, 64));
+  add(app, "watch", "Show the robots live until Ctrl-C", "  cairn watch\n  cairn watch --json");
+  add_plan(app, typed);
+  add(app, "link", "Show what each robot's link carries",
+      "  cairn link\n  cairn --server base.local:8642 link");
+}
+
+void add_globals(CLI::App& app, Typed& typed) {
+  app.set_version_flag("--version", std::string("cairn ") + CAIRN_VERSION);
+  app.set_config("--config", "", "TOML file with options of the same names")
+      ->check(CLI::ExistingFile);
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  app.add_option("--server", typed.server, "HOST:PORT of cairn-server")
+      ->envname("CAIRN_SERVER")
+      ->check(check_server)
+      ->capture_default_str();
+  app.add_flag("--json", typed.invocation.json, "Answer in JSON, for programs");
+  app.add_option("--timeout", typed.invocation.timeout_s, "Wait this long for the server [s]")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  cairn status                       what is there, and how old it is\n"
+      "  cairn goto 12.5 -3 --follow        send the robot and watch it go\n"
+      "  cairn map --png yard.png           draw the map\n"
+      "`cairn COMMAND --help` tells more of each.\n"
+      "Exit codes: 0 done, 1 refused or failed, 2 wrong usage.");
+}
+
+api::PointJson point_of(const std::string& checked) { return parse_point(checked).value(); }
+
+Command command_of(const CLI::App& app, Typed& typed) {
+  if (app.got_subcommand("found")) return typed.found;
+  if (app.got_subcommand("goto")) {
+    read_coordinate(typed.x, typed.go_to.request.x_m);
+    read_coordinate(typed.y, typed.go_to.request.y_m);
+    return typed.go_to;
+  }
+  if (app.got_subcommand("stop")) return typed.stop;
+  if (app.got_subcommand("map")) return typed.map;
+  if (app.got_subcommand("plan")) {
+    typed.plan.request.from = point_of(typed.from);
+    typed.plan.request.to = point_of(typed.to);
+    return typed.plan;
+  }
+  if (app.got_subcommand("link")) return LinkCommand{};
+  if (app.got_subcommand("watch")) return WatchCommand{};
+  return StatusCommand{};
+}
+
+/// "-.5" is a number to people; CLI11 takes only a digit after the sign for one.
+std::string with_leading_zero(std::string argument) {
+  if (argument.starts_with("-.")) argument.insert(1, "0");
+  return argument;
+}
+
+}  // namespace
+
+Result<ServerAddress> parse_server(const std::string& text) {
+  const Error fault{ErrorCode::invalid_argument,
+                    "\"" + text + "\" is no server: expected HOST:PORT, as 127.0.0.1:8642"};
+  const auto colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) return fault;
+  ServerAddress address;
+  address.host = text.substr(0, colon);
+  if (address.host.starts_with('[') && address.host.ends_with(']')) {
+    address.host = address.host.substr(1, address.host.size() - 2);
+  } else if (address.host.find(':') != std::string::npos) {
+    return fault;
+  }
+  if (address.host.empty() || !read_whole(std::string_view(text).substr(colon + 1), address.port) ||
+      address.port == 0) {
+    return fault;
+  }
+  return address;
+}
+
+std::string to_string(const ServerAddress& address) {
+  const bool v6 = address.host.find(':') != std::string::npos;
+  return (v6 ? "[" + address.host + "]" : address.host) + ":" + std::to_string(address.port);
+}
+
+Result<api::PointJson> parse_point(const std::string& text) {
+  const auto comma = text.find(',');
+  api::PointJson point;
+  if (comma == std::string::npos ||
+      !read_coordinate(std::string_view(text).substr(0, comma), point.x_m) ||
+      !read_coordinate(std::string_view(text).substr(comma + 1), point.y_m)) {
+    return Error{ErrorCode::invalid_argument,
+                 "\"" + text + "\" is no place: expected X,Y in metres, as -3,2.5"};
+  }
+  return point;
+}
+
+std::variant<Invocation, Exit> parse_arguments(std::vector<std::string> arguments) {
+  Typed typed;
+  CLI::App app("Command robots and see their map over a thin radio link.", "cairn");
+  add_globals(app, typed);
+  add_subcommands(app, typed);
+  std::ranges::transform(arguments, arguments.begin(), with_leading_zero);
+  std::ranges::reverse(arguments);  // As CLI11 wants them.
+  try {
+    app.parse(arguments);
+    typed.invocation.server = parse_server(typed.server).value();
+    typed.invocation.command = command_of(app, typed);
+    return typed.invocation;
+  } catch (const CLI::Error& end) {
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = app.exit(end, out, err);
+    return Exit{code == 0 ? kExitOk : kExitUsage, out.str(), err.str()};
+  }
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/common/result.h"
+#include "proto/json/messages.h"
+
+/// What the operator typed, as values.
+namespace cairn::cli {
+
+struct ServerAddress {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 8642;
+};
+
+/// "HOST:PORT", "[IPv6]:PORT".
+[[nodiscard]] Result<ServerAddress> parse_server(const std::string& text);
+[[nodiscard]] std::string to_string(const ServerAddress& address);
+/// "X,Y" in metres.
+[[nodiscard]] Result<api::PointJson> parse_point(const std::string& text);
+
+struct StatusCommand {};
+struct LinkCommand {};
+struct WatchCommand {};
+struct FoundCommand {
+  api::FoundRequest request;
+};
+struct GotoCommand {
+  api::GotoRequest request;
+  bool follow = false;
+};
+struct StopCommand {
+  api::StopRequest request;
+};
+struct MapCommand {
+  std::string png;
+  std::optional<std::string> site;
+  int scale = 0;  ///< Pixels per cell; 0: chosen by the map's size.
+};
+struct PlanCommand {
+  api::PlanRequestJson request;
+  std::string png;  ///< Empty: no picture.
+};
+
+using Command = std::variant<StatusCommand, LinkCommand, WatchCommand, FoundCommand, GotoCommand,
+                             StopCommand, MapCommand, PlanCommand>;
+
+struct Invocation {
+  ServerAddress server;
+  bool json = false;
+  double timeout_s = 10.0;
+  Command command;
+};
+
+/// The program's end without a command: --help, --version or wrong usage.
+struct Exit {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitFailed = 1;
+inline constexpr int kExitUsage = 2;
+
+/// Reads the arguments (without the program's name), $CAIRN_SERVER and the file of --config.
+[[nodiscard]] std::variant<Invocation, Exit> parse_arguments(std::vector<std::string> arguments);
+
+}  // namespace cairn::cli

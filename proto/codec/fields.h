@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cassert>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+#include "proto/codec/block_codec.h"
+#include "proto/codec/bytes.h"
+#include "proto/codec/text.h"
+
+/// Two visitors with the same face, so that each record's layout and bounds are told once and hold
+/// for writing and reading alike.
+namespace cairn::proto {
+
+/// Writes fields. What breaks a bound here is our own fault and asserted.
+class FieldWriter {
+ public:
+  template <class T>
+  using Ref = const T&;
+
+  explicit FieldWriter(ByteWriter out) : out_(out) {}
+
+  template <std::integral T>
+  void number(const char* /*name*/, T value, T least = std::numeric_limits<T>::min(),
+              T most = std::numeric_limits<T>::max()) {
+    assert(value >= least && value <= most);
+    (void)least, (void)most;
+    out_.put(value);
+  }
+  template <class E>
+  requires std::is_enum_v<E>
+  void one_of(const char* name, E value, E first, E last) {
+    using U = std::underlying_type_t<E>;
+    number<U>(name, static_cast<U>(value), static_cast<U>(first), static_cast<U>(last));
+  }
+  void flag(const char* name, bool value) { number<std::uint8_t>(name, value ? 1 : 0, 0, 1); }
+  void name(const char* /*name*/, const std::string& value) {
+    assert(valid_name(value));
+    put_string(value);
+  }
+  void text(const char* /*name*/, const std::string& value) { put_string(wire_text(value)); }
+  void block(const char* /*name*/, const BlockDelta& delta) { write_block(out_, delta); }
+  template <class T, class Each>
+  void list(const char* name, const std::vector<T>& values, std::uint8_t most, Each each) {
+    assert(!values.empty() && values.size() <= most);
+    number<std::uint8_t>(name, static_cast<std::uint8_t>(values.size()), 1, most);
+    for (const T& value : values) each(*this, value);
+  }
+  void require(const char* /*name*/, bool holds) {
+    assert(holds);
+    (void)holds;
+  }
+
+ private:
+  void put_string(std::string_view value) {
+    out_.put(static_cast<std::uint8_t>(value.size()));
+    for (const char c : value) out_.put(static_cast<std::uint8_t>(c));
+  }
+
+  ByteWriter out_;
+};
+
+/// Reads fields and remembers the first that broke a rule.
+class FieldReader {
+ public:
+  template <class T>
+  using Ref = T&;
+
+  explicit FieldReader(ByteReader in) : in_(in) {}
+
+  template <std::integral T>
+  void number(const char* name, T& value, T least = std::numeric_limits<T>::min(),
+              T most = std::numeric_limits<T>::max()) {
+    value = in_.get<T>();
+    require(name, value >= least && value <= most);
+  }
+  template <class E>
+  requires std::is_enum_v<E>
+  void one_of(const char* name, E& value, E first, E last) {
+    using U = std::underlying_type_t<E>;
+    U raw{};
+    number<U>(name, raw, static_cast<U>(first), static_cast<U>(last));
+    if (!failed()) value = static_cast<E>(raw);
+  }
+  void flag(const char* name, bool& value) {
+    std::uint8_t raw = 0;
+    number<std::uint8_t>(name, raw, 0, 1);
+    value = raw == 1;
+  }
+  void name(const char* name, std::string& value) {
+    value = get_string();
+    require(name, valid_name(value));
+  }
+  void text(const char* name, std::string& value) {
+    value = get_string();
+    require(name, valid_text(value));
+  }
+  void block(const char* name, BlockDelta& delta) {
+    read_block(in_, delta);
+    require(name, true);
+  }
+  template <class T, class Each>
+  void list(const char* name, std::vector<T>& values, std::uint8_t most, Each each) {
+    std::uint8_t count = 0;
+    number<std::uint8_t>(name, count, 1, most);
+    if (failed()) return;
+    values.resize(count);
+    for (T& value : values) each(*this, value);
+  }
+  void require(const char* name, bool holds) {
+    if (broken_ == nullptr && (in_.failed() || !holds)) broken_ = name;
+    if (broken_ != nullptr) in_.fail();
+  }
+
+  [[nodiscard]] bool failed() const { return broken_ != nullptr; }
+  [[nodiscard]] std::size_t left() const { return in_.left(); }
+  /// Name of the first field that broke a rule. Requires: failed().
+  [[nodiscard]] const char* broken() const { return broken_; }
+
+ private:
+  std::string get_string() {
+    const auto bytes = in_.take(in_.get<std::uint8_t>());
+    return {bytes.begin(), bytes.end()};
+  }
+
+  ByteReader in_;
+  const char* broken_ = nullptr;
+};
+
+}  // namespace cairn::proto

@@ -1,0 +1,229 @@
+#include "proto/codec/record_codec.h"
+
+#include <string>
+#include <type_traits>
+
+#include "proto/codec/bytes.h"
+#include "proto/codec/fields.h"
+
+namespace cairn::proto {
+namespace {
+
+// ---- What each record is made of, in the order of its bytes. ----------------------------------
+
+template <class Io>
+void coordinate(Io& io, const char* name, typename Io::template Ref<std::int32_t> value) {
+  io.template number<std::int32_t>(name, value, -kMaxCoordinateMm, kMaxCoordinateMm);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<SubmapPose> r) {
+  coordinate(io, "x", r.x_mm);
+  coordinate(io, "y", r.y_mm);
+  coordinate(io, "z", r.z_mm);
+  io.template number<std::int32_t>("yaw", r.yaw_1e4rad, -kMaxYaw1e4rad, kMaxYaw1e4rad);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<BlockKey> r) {
+  io.one_of("layer", r.layer, EvidenceLayer::surface, EvidenceLayer::seen_through);
+  io.number("level", r.tile.level);
+  io.template number<std::int32_t>("tx", r.tile.tx, -kMaxTileCoordinate, kMaxTileCoordinate);
+  io.template number<std::int32_t>("ty", r.tile.ty, -kMaxTileCoordinate, kMaxTileCoordinate);
+  io.template number<std::uint8_t>("block", r.block, 0, kBlocksPerTile - 1);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<Hello> r) {
+  io.name("robot", r.robot);
+  io.name("site", r.site);
+  io.number("boot", r.boot);
+  io.template number<std::uint16_t>("cell size", r.cell_size_mm, 10, 2000);
+  io.number("clock", r.clock_ms);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<PoseReport> r) {
+  io.number("clock", r.clock_ms);
+  fields(io, r.T_site_robot);
+  io.number("roll", r.roll_1e4rad);
+  io.number("pitch", r.pitch_1e4rad);
+  io.number("sigma", r.sigma_mm);
+  io.number("speed", r.speed_mm_s);
+  io.one_of("drive state", r.drive, DriveState::idle, DriveState::stopped);
+  io.number("command", r.command);
+  io.number("to go", r.to_go_mm);
+  io.number("backlog", r.backlog_blocks);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<SubmapHead> r) {
+  io.number("sequence", r.sequence);
+  io.template number<std::uint32_t>("version", r.version, 1);
+  fields(io, r.T_site_submap);
+  io.flag("closed", r.closed);
+  io.template number<std::uint32_t>("blocks", r.blocks, 0, kMaxSubmapBlocks);
+  io.number("final versions", r.final_versions);
+  io.require("final versions", r.closed ? r.final_versions >= r.blocks : r.final_versions == 0);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<BlockUpdate> r) {
+  io.number("sequence", r.sequence);
+  fields(io, r.key);
+  io.number("base", r.base);
+  io.number("version", r.version);
+  io.require("base", r.base < r.version);
+  coordinate(io, "datum", r.delta.datum_mm);
+  io.block("cells", r.delta);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<CommandReport> r) {
+  io.template number<std::uint64_t>("command", r.command, 1);
+  io.number("revision", r.revision);
+  io.one_of("state", r.state, CommandState::accepted, CommandState::blocked);
+  io.text("why", r.why);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<Welcome> r) {
+  io.template number<std::uint32_t>("session", r.session, 1);
+  io.number("boot", r.boot);
+  io.number("epoch", r.epoch);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<Reject> r) {
+  io.number("boot", r.boot);
+  io.one_of("reason", r.reason, RejectReason::robot_id_in_use, RejectReason::bad_name);
+  io.text("text", r.text);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<Refusal> r) {
+  io.number("sequence", r.sequence);
+  fields(io, r.key);
+  io.number("held", r.held);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<Command> r) {
+  io.template number<std::uint64_t>("id", r.id, 1);
+  io.number("revision", r.revision);
+  io.one_of("kind", r.kind, CommandKind::go_to, CommandKind::stop);
+  io.text("issuer", r.issuer);
+  io.number("expires", r.expires_clock_ms);
+  io.one_of("on link loss", r.on_link_loss, OnLinkLoss::proceed, OnLinkLoss::stop);
+  io.number("link timeout", r.link_timeout_ms);
+  io.number("map version", r.map_version);
+  coordinate(io, "goal x", r.goal_x_mm);
+  coordinate(io, "goal y", r.goal_y_mm);
+  io.template number<std::uint16_t>("path points", r.path_points, 0, kMaxPathPoints);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<PathPart> r) {
+  io.template number<std::uint64_t>("command", r.command, 1);
+  io.number("revision", r.revision);
+  io.number("first", r.first);
+  io.list("points", r.points, kMaxPartPoints, [](Io& each, auto& point) {
+    coordinate(each, "point x", point.x_mm);
+    coordinate(each, "point y", point.y_mm);
+  });
+  io.require("first", r.first + r.points.size() <= kMaxPathPoints);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<Ack> r) {
+  io.number("cumulative", r.cumulative);
+  io.number("bitmap", r.bitmap);
+}
+
+template <class Io>
+void fields(Io& /*io*/, typename Io::template Ref<Bye> /*r*/) {}
+
+template <class Io>
+void fields(Io& /*io*/, typename Io::template Ref<Reset> /*r*/) {}
+
+// ---- Type numbers, names and who may send each. ------------------------------------------------
+
+enum class Sender { robot, server, both };
+
+struct Kind {
+  std::uint8_t type;
+  Sender sender;
+  const char* name;
+};
+
+template <class R>
+constexpr Kind kind_of() {
+  if constexpr (std::is_same_v<R, Hello>) return {1, Sender::robot, "hello"};
+  if constexpr (std::is_same_v<R, PoseReport>) return {2, Sender::robot, "pose report"};
+  if constexpr (std::is_same_v<R, SubmapHead>) return {3, Sender::robot, "submap head"};
+  if constexpr (std::is_same_v<R, BlockUpdate>) return {4, Sender::robot, "block update"};
+  if constexpr (std::is_same_v<R, CommandReport>) return {5, Sender::robot, "command report"};
+  if constexpr (std::is_same_v<R, Bye>) return {6, Sender::robot, "bye"};
+  if constexpr (std::is_same_v<R, Welcome>) return {17, Sender::server, "welcome"};
+  if constexpr (std::is_same_v<R, Reject>) return {18, Sender::server, "reject"};
+  if constexpr (std::is_same_v<R, Reset>) return {19, Sender::server, "reset"};
+  if constexpr (std::is_same_v<R, Refusal>) return {20, Sender::server, "refusal"};
+  if constexpr (std::is_same_v<R, Command>) return {21, Sender::server, "command"};
+  if constexpr (std::is_same_v<R, PathPart>) return {22, Sender::server, "path part"};
+  if constexpr (std::is_same_v<R, Ack>) return {32, Sender::both, "ack"};
+}
+
+Error malformed(std::string what) {
+  return {ErrorCode::corrupt,
+          "malformed frame: " + std::move(what) + "; check that both ends run the same version"};
+}
+
+template <class R>
+Result<Record> read_as(std::span<const std::uint8_t> body, Direction direction) {
+  constexpr Kind kKind = kind_of<R>();
+  const Sender sender = direction == Direction::up ? Sender::robot : Sender::server;
+  if (kKind.sender != Sender::both && kKind.sender != sender) {
+    return malformed(std::string(kKind.name) + " sent in the wrong direction");
+  }
+  FieldReader io{ByteReader(body)};
+  R record;
+  fields(io, record);
+  if (io.failed()) {
+    return malformed(std::string(kKind.name) + ": " + io.broken() + " missing or out of bounds");
+  }
+  if (io.left() > 0) return malformed(std::string(kKind.name) + " with bytes left over");
+  return Record(std::move(record));
+}
+
+template <class... Rs>
+Result<Record> read_any(std::uint8_t type, std::span<const std::uint8_t> body, Direction direction,
+                        std::variant<Rs...>* /*types*/) {
+  Result<Record> result = malformed("unknown record type " + std::to_string(type));
+  (void)((type == kind_of<Rs>().type && (result = read_as<Rs>(body, direction), true)) || ...);
+  return result;
+}
+
+}  // namespace
+
+void append_record(std::vector<std::uint8_t>& out, const Record& record) {
+  std::visit(
+      [&out]<class R>(const R& r) {
+        ByteWriter writer(out);
+        writer.put(kind_of<R>().type);
+        const std::size_t length_at = out.size();
+        writer.put(std::uint16_t{0});
+        FieldWriter io(writer);
+        fields(io, r);
+        const std::size_t length = out.size() - length_at - 2;
+        out[length_at] = static_cast<std::uint8_t>(length & 0xFFU);
+        out[length_at + 1] = static_cast<std::uint8_t>(length >> 8U);
+      },
+      record);
+}
+
+Result<Record> read_record(std::uint8_t type, std::span<const std::uint8_t> body,
+                           Direction direction) {
+  return read_any(type, body, direction, static_cast<Record*>(nullptr));
+}
+
+}  // namespace cairn::proto

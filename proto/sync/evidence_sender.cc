@@ -1,0 +1,254 @@
+#include "proto/sync/evidence_sender.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "proto/sync/flight.h"
+
+namespace cairn::proto {
+namespace {
+
+// Blocks that are tried after one did not fit, to fill the rest of the frame with smaller ones.
+constexpr int kMoreTries = 8;
+
+}  // namespace
+
+// ---- The open submap ----------------------------------------------------------------------------
+
+EvidenceSender::Outgoing::Outgoing(SubmapId id, SubmapPose pose, int cell_size_mm)
+    : submap(id, pose, cell_size_mm) {
+  head.newest = {.sequence = id.sequence, .version = 1, .T_site_submap = pose};
+}
+
+bool EvidenceSender::Outgoing::head_is_news() const {
+  return head.newest.version > std::max(head.acked, head.under_way);
+}
+
+bool EvidenceSender::Outgoing::held() const {
+  return submap.closed && head.acked == head.newest.version && waiting.empty() &&
+         blocks_under_way == 0;
+}
+
+Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm) {
+  assert(open_submap() == nullptr);
+  if (submaps_.size() >= kMaxSubmaps) drop_oldest_closed();
+  const SubmapId id{boot, ++last_sequence_};
+  return submaps_.try_emplace(id.sequence, id, T_site_submap, cell_size_mm).first->second.submap;
+}
+
+void EvidenceSender::touch(EvidenceLayer layer, const std::vector<CellIndex>& cells) {
+  assert(open_submap() != nullptr);
+  Outgoing& outgoing = submaps_.at(last_sequence_);
+  outgoing.versions.touch(layer, cells);
+  std::set<BlockKey> touched;
+  for (const CellIndex cell : cells) {
+    const BlockPlace place = place_in_block(HeightMap::index_in_tile(cell));
+    touched.insert({layer, HeightMap::tile_of(cell), place.block});
+  }
+  for (const BlockKey& key : touched) queue(outgoing, key, outgoing.blocks[key]);
+}
+
+void EvidenceSender::close() {
+  Submap* open = open_submap();
+  assert(open != nullptr);
+  Outgoing& outgoing = submaps_.at(last_sequence_);
+  open->closed = true;
+  SubmapHead& head = outgoing.head.newest;
+  ++head.version;
+  head.closed = true;
+  head.blocks = static_cast<std::uint32_t>(outgoing.blocks.size());
+  for (const auto& [key, block] : outgoing.blocks) {
+    head.final_versions += outgoing.versions.version(key);
+  }
+}
+
+Submap* EvidenceSender::open_submap() {
+  Outgoing* last = find(last_sequence_);
+  return last == nullptr || last->submap.closed ? nullptr : &last->submap;
+}
+
+void EvidenceSender::drop_oldest_closed() {
+  submaps_.erase(submaps_.begin());  // Only the newest may be open.
+  ++dropped_submaps_;
+}
+
+// ---- Filling frames -----------------------------------------------------------------------------
+
+int EvidenceSender::fill(FrameWriter& frame, std::uint32_t number) {
+  while (!cargoes_.empty() && cargoes_.begin()->first + Flight::kReach <= number) {
+    cargoes_.erase(cargoes_.begin());
+  }
+  Cargo cargo;
+  int added = 0;
+  for (auto& [sequence, outgoing] : submaps_) {
+    added += fill_from(outgoing, frame, number, cargo);
+    const bool frame_is_full = !outgoing.waiting.empty() || outgoing.head_is_news();
+    if (frame_is_full) break;
+  }
+  if (added > 0) cargoes_[number] = std::move(cargo);
+  return added;
+}
+
+int EvidenceSender::fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number,
+                              Cargo& cargo) {
+  int added = 0;
+  const bool blocks_need_head = outgoing.head.acked == 0 && !outgoing.waiting.empty();
+  if (outgoing.head_is_news() || blocks_need_head) {
+    if (!add_head(outgoing, frame, number, cargo)) return 0;
+    ++added;
+  }
+  int misses = 0;
+  for (auto turn = outgoing.waiting.begin(); turn != outgoing.waiting.end();) {
+    const BlockKey key = (turn++)->second;  // Adding takes it off the queue.
+    if (add_block(outgoing, key, frame, number, cargo)) {
+      ++added;
+    } else if (++misses > kMoreTries) {
+      break;
+    }
+  }
+  return added;
+}
+
+bool EvidenceSender::add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number,
+                              Cargo& cargo) {
+  Head& head = outgoing.head;
+  if (!frame.add(head.newest)) return false;
+  head.under_way = head.newest.version;
+  head.carrier = number;
+  cargo.items.push_back({head.newest.sequence, std::nullopt, head.newest.version});
+  return true;
+}
+
+bool EvidenceSender::add_block(Outgoing& outgoing, const BlockKey& key, FrameWriter& frame,
+                               std::uint32_t number, Cargo& cargo) {
+  Block& block = outgoing.blocks.at(key);
+  const std::uint32_t sequence = outgoing.head.newest.sequence;
+  const std::uint32_t version = outgoing.versions.version(key);
+  BlockUpdate update{sequence, key, block.acked, version, {}};
+  update.delta = outgoing.versions.changes_since(key, block.acked, outgoing.submap);
+  if (!frame.add(update)) return false;
+  outgoing.waiting.erase({block.last_sent, key});
+  block.under_way = version;
+  block.carrier = number;
+  block.last_sent = ++turn_;
+  ++outgoing.blocks_under_way;
+  cargo.items.push_back({sequence, key, version});
+  return true;
+}
+
+// ---- What became of them ------------------------------------------------------------------------
+
+void EvidenceSender::on_acked(std::uint32_t number) {
+  const auto cargo = cargoes_.find(number);
+  if (cargo == cargoes_.end()) return;
+  for (const auto& item : cargo->second.items) item_acked(item);
+  cargoes_.erase(cargo);
+}
+
+void EvidenceSender::item_acked(const Cargo::Item& item) {
+  Outgoing* outgoing = find(item.sequence);
+  if (outgoing == nullptr) return;
+  if (!item.block) {
+    outgoing->head.acked = std::max(outgoing->head.acked, item.version);
+  } else {
+    Block& block = outgoing->blocks.at(*item.block);
+    block.acked = std::max(block.acked, item.version);
+    if (block.under_way != 0 && block.under_way <= block.acked)
+      no_longer_under_way(*outgoing, block);
+    queue(*outgoing, *item.block, block);
+  }
+  if (outgoing->held()) submaps_.erase(item.sequence);
+}
+
+void EvidenceSender::on_lost(std::uint32_t number) {
+  const auto cargo = cargoes_.find(number);
+  if (cargo == cargoes_.end()) return;
+  for (const auto& item : cargo->second.items) item_lost(item, number);
+}
+
+void EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
+  Outgoing* outgoing = find(item.sequence);
+  if (outgoing == nullptr) return;
+  if (!item.block) {
+    if (outgoing->head.carrier == number) outgoing->head.under_way = 0;
+    return;
+  }
+  Block& block = outgoing->blocks.at(*item.block);
+  if (block.under_way == 0 || block.carrier != number) return;
+  no_longer_under_way(*outgoing, block);
+  queue(*outgoing, *item.block, block);
+}
+
+void EvidenceSender::on_refused(const Refusal& refusal) {
+  Outgoing* outgoing = find(refusal.sequence);
+  if (outgoing == nullptr) return;
+  const auto found = outgoing->blocks.find(refusal.key);
+  // What the peer claims to hold beyond what it acknowledged is not yet durable there.
+  if (found == outgoing->blocks.end() || refusal.held >= found->second.acked) return;
+  Block& block = found->second;
+  if (block.under_way != 0) no_longer_under_way(*outgoing, block);
+  block.acked = refusal.held;
+  queue(*outgoing, refusal.key, block);
+}
+
+void EvidenceSender::on_session(bool forget_acked) {
+  cargoes_.clear();
+  for (auto& [sequence, outgoing] : submaps_) {
+    outgoing.head.under_way = 0;
+    if (forget_acked) outgoing.head.acked = 0;
+    for (auto& [key, block] : outgoing.blocks) {
+      if (block.under_way != 0) no_longer_under_way(outgoing, block);
+      if (forget_acked) block.acked = 0;
+      queue(outgoing, key, block);
+    }
+  }
+}
+
+void EvidenceSender::queue(Outgoing& outgoing, const BlockKey& key, Block& block) {
+  const bool news = outgoing.versions.version(key) > block.acked && block.under_way == 0;
+  if (news) {
+    outgoing.waiting.insert({block.last_sent, key});
+  } else {
+    outgoing.waiting.erase({block.last_sent, key});
+  }
+}
+
+void EvidenceSender::no_longer_under_way(Outgoing& outgoing, Block& block) {
+  block.under_way = 0;
+  --outgoing.blocks_under_way;
+}
+
+// ---- How far the peer is ------------------------------------------------------------------------
+
+bool EvidenceSender::has_news() const {
+  return std::ranges::any_of(submaps_, [](const auto& entry) {
+    return entry.second.head_is_news() || !entry.second.waiting.empty();
+  });
+}
+
+bool EvidenceSender::synchronised() const {
+  return std::ranges::all_of(submaps_, [](const auto& entry) {
+    const Outgoing& outgoing = entry.second;
+    return outgoing.head.acked == outgoing.head.newest.version && outgoing.waiting.empty() &&
+           outgoing.blocks_under_way == 0;
+  });
+}
+
+std::size_t EvidenceSender::backlog_blocks() const {
+  std::size_t blocks = 0;
+  for (const auto& [sequence, outgoing] : submaps_) {
+    blocks += outgoing.waiting.size() + outgoing.blocks_under_way;
+  }
+  return blocks;
+}
+
+std::size_t EvidenceSender::submaps() const { return submaps_.size(); }
+
+std::uint64_t EvidenceSender::dropped_submaps() const { return dropped_submaps_; }
+
+EvidenceSender::Outgoing* EvidenceSender::find(std::uint32_t sequence) {
+  const auto found = submaps_.find(sequence);
+  return found == submaps_.end() ? nullptr : &found->second;
+}
+
+}  // namespace cairn::proto

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/common/time.h"
+#include "proto/codec/frame.h"
+#include "proto/codec/records.h"
+
+namespace cairn::proto {
+
+/// The server's half of a command: its record and the parts of its path, each sent until
+/// acknowledged, and the record asked about again until the robot reports on it.
+class OrderSender {
+ public:
+  static constexpr Duration kFirstAskWait = std::chrono::seconds(1);
+  static constexpr Duration kMostAskWait = std::chrono::seconds(30);
+
+  /// Replaces what was being sent. Requires: path.size() ≤ kMaxPathPoints.
+  void set(Command command, const std::vector<PathPart::Point>& path, MonotonicTime expires_at);
+  /// The robot spoke of the command: nothing of it need be sent any more.
+  void on_report(const CommandReport& report);
+
+  /// Sends the record again when everything is there but no report came.
+  void ask_again_if_due(MonotonicTime now);
+  [[nodiscard]] std::optional<MonotonicTime> ask_due() const;
+
+  [[nodiscard]] bool has_news() const;
+  [[nodiscard]] MonotonicTime expires_at() const { return expires_at_; }
+  /// Each returns whether it added something.
+  bool fill_command(FrameWriter& frame, std::uint32_t number, std::uint64_t expires_clock_ms,
+                    MonotonicTime now);
+  bool fill_parts(FrameWriter& frame, std::uint32_t number);
+  void on_acked(std::uint32_t number);
+  void on_lost(std::uint32_t number);
+
+ private:
+  enum class Where : std::uint8_t { waiting, under_way, acknowledged };
+  struct Item {
+    Where where = Where::waiting;
+    std::uint32_t carrier = 0;  ///< Frame it is under way in.
+  };
+  struct Part : Item {
+    PathPart part;
+  };
+
+  static bool in_frame(const Item& item, std::uint32_t number);
+  void move(std::uint32_t number, Where to);
+  [[nodiscard]] bool all_acknowledged() const;
+
+  std::optional<Command> command_;  ///< nullopt: none, or the robot reported on it.
+  Item record_;
+  std::vector<Part> parts_;  ///< [Limit: ≤ kMaxPathPoints / kMaxPartPoints, rounded up]
+  MonotonicTime expires_at_{};
+  MonotonicTime asked_at_{};
+  Duration ask_wait_ = kFirstAskWait;
+};
+
+}  // namespace cairn::proto

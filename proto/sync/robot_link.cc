@@ -1,0 +1,276 @@
+#include "proto/sync/robot_link.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace cairn::proto {
+namespace {
+
+std::uint64_t to_clock_ms(MonotonicTime now) {
+  assert(now.count() >= 0);
+  return static_cast<std::uint64_t>(now.count() / 1000);
+}
+
+bool elicits_ack(const Frame& frame) {
+  return std::ranges::any_of(frame.records, [](const Record& record) {
+    return std::holds_alternative<Command>(record) || std::holds_alternative<PathPart>(record);
+  });
+}
+
+Error explain(const Reject& reject, const RobotLinkConfig& config) {
+  const std::string said = reject.text.empty() ? "" : " (server says: " + reject.text + ")";
+  switch (reject.reason) {
+    case RejectReason::robot_id_in_use:
+      return {ErrorCode::conflict, "another agent is robot '" + config.robot +
+                                       "' at this server; stop it or choose another id" + said};
+    case RejectReason::unknown_site:
+      return {ErrorCode::not_found, "the server has no site '" + config.site +
+                                        "'; correct the agent's site or found it first" + said};
+    case RejectReason::cell_size_differs:
+      return {ErrorCode::invalid_argument, "cells of " + std::to_string(config.cell_size_mm) +
+                                               " mm are not the site's; set the site's size" +
+                                               said};
+    case RejectReason::server_full:
+      return {ErrorCode::exhausted,
+              "the server takes no more robots; end another session or raise its bound" + said};
+    case RejectReason::bad_name:
+      return {ErrorCode::invalid_argument, "the server does not take the names '" + config.robot +
+                                               "', '" + config.site + "'; change them" + said};
+  }
+  return {ErrorCode::unavailable, "the server refused this robot" + said};
+}
+
+}  // namespace
+
+RobotLink::RobotLink(RobotLinkConfig config, std::size_t carrier_overhead_bytes)
+    : config_(std::move(config)),
+      overhead_bytes_(carrier_overhead_bytes),
+      flight_(config_.window_frames) {}
+
+void RobotLink::set_pose(const PoseReport& pose) { pose_ = pose; }
+
+void RobotLink::report(const CommandReport& report) { reports_.post(report); }
+
+std::optional<Duration> RobotLink::silence(MonotonicTime now) const {
+  if (!heard_at_) return std::nullopt;
+  return now - *heard_at_;
+}
+
+std::optional<Duration> RobotLink::round_trip() const { return flight_.round_trip().smoothed(); }
+
+// ---- What arrives -------------------------------------------------------------------------------
+
+std::vector<Order> RobotLink::on_frame(std::span<const std::uint8_t> bytes, MonotonicTime now) {
+  ++counters_.frames_received;
+  counters_.bytes_received += bytes.size() + overhead_bytes_;
+  const Result<Frame> frame = decode_frame(bytes, Direction::down);
+  if (!frame) {
+    ++counters_.frames_malformed;
+    return {};
+  }
+  for (const Record& record : frame->records) on_answer(record, frame->header, now);
+  if (session_ == 0 || frame->header.session != session_) return {};
+  return on_session_frame(*frame, now);
+}
+
+void RobotLink::on_answer(const Record& record, const FrameHeader& header, MonotonicTime now) {
+  if (const auto* welcome = std::get_if<Welcome>(&record)) {
+    if (welcome->session == header.session) on_welcome(*welcome, now);
+  } else if (const auto* reject = std::get_if<Reject>(&record)) {
+    on_reject(*reject, now);
+  } else if (std::holds_alternative<Reset>(record) && session_ != 0 && header.session == session_) {
+    leave_session();
+    say_hello_from(now);
+  }
+}
+
+void RobotLink::on_welcome(const Welcome& welcome, MonotonicTime now) {
+  if (phase_ != Phase::hello || welcome.boot != config_.boot) return;
+  // A late answer must not revive a session whose frame numbers were used already.
+  if (std::ranges::find(left_sessions_, welcome.session) != left_sessions_.end()) return;
+  if (welcome.session == session_) {
+    lost(flight_.lose_all());  // The link was away, the session is not.
+  } else {
+    begin_session(welcome);
+  }
+  phase_ = Phase::connected;
+  in_use_since_.reset();
+  heard_at_ = now;
+}
+
+void RobotLink::leave_session() {
+  if (session_ == 0) return;
+  left_sessions_.push_back(session_);
+  if (left_sessions_.size() > kMaxLeftSessions) left_sessions_.pop_front();
+  session_ = 0;
+}
+
+void RobotLink::begin_session(const Welcome& welcome) {
+  leave_session();
+  const bool other_store = epoch_ && *epoch_ != welcome.epoch;
+  session_ = welcome.session;
+  epoch_ = welcome.epoch;
+  flight_.reset();
+  received_ = {};
+  ack_due_.reset();
+  evidence_.on_session(other_store);
+  reports_.on_session();
+  if (other_store) orders_.forget();
+}
+
+void RobotLink::on_reject(const Reject& reject, MonotonicTime now) {
+  if (phase_ != Phase::hello || reject.boot != config_.boot) return;
+  if (reject.reason == RejectReason::robot_id_in_use) {
+    if (!in_use_since_) in_use_since_ = now;
+    if (now - *in_use_since_ < config_.in_use_patience) return;
+  }
+  phase_ = Phase::rejected;
+  rejected_ = explain(reject, config_);
+}
+
+std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime now) {
+  heard_at_ = now;
+  unanswered_since_.reset();
+  if (phase_ == Phase::hello) {  // It was only silent.
+    phase_ = Phase::connected;
+    lost(flight_.lose_all());
+  }
+  if (elicits_ack(frame) && !ack_due_) ack_due_ = now + kAckDelay;
+  if (received_.is_done(frame.header.number)) return {};
+  received_.done(frame.header.number);
+  std::vector<Order> orders;
+  for (const Record& record : frame.records) {
+    if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
+    if (const auto* refusal = std::get_if<Refusal>(&record)) evidence_.on_refused(*refusal);
+    if (const auto* command = std::get_if<Command>(&record)) {
+      take(orders_.on_command(*command), orders);
+    }
+    if (const auto* part = std::get_if<PathPart>(&record)) take(orders_.on_part(*part), orders);
+  }
+  return orders;
+}
+
+void RobotLink::on_ack(const Ack& ack, MonotonicTime now) {
+  const Flight::News news = flight_.on_ack(ack, now);
+  for (const std::uint32_t number : news.acked) {
+    evidence_.on_acked(number);
+    reports_.on_acked(number);
+  }
+  lost(news.lost);
+}
+
+void RobotLink::take(OrderDesk::Outcome outcome, std::vector<Order>& orders) {
+  if (outcome.order) orders.push_back(*std::move(outcome.order));
+  if (outcome.asked_again) reports_.ask(outcome.asked_again->first, outcome.asked_again->second);
+  if (!outcome.superseded) return;
+  const auto [id, revision] = *outcome.superseded;
+  const bool said_what_became_of_it = reports_.ask(id, revision);
+  if (said_what_became_of_it) return;
+  reports_.post({id, revision, CommandState::superseded, "a newer command came before it"});
+}
+
+void RobotLink::lost(const std::vector<std::uint32_t>& numbers) {
+  counters_.frames_lost += numbers.size();
+  for (const std::uint32_t number : numbers) {
+    evidence_.on_lost(number);
+    reports_.on_lost(number);
+  }
+}
+
+// ---- What is sent -------------------------------------------------------------------------------
+
+std::optional<std::vector<std::uint8_t>> RobotLink::next_frame(MonotonicTime now) {
+  if (phase_ == Phase::rejected) return std::nullopt;
+  if (phase_ == Phase::connected && silent_too_long(now)) say_hello_from(now);
+  if (phase_ == Phase::hello) return hello_frame(now);
+  lost(flight_.on_time(now));
+  if (!something_is_due(now)) return std::nullopt;
+  return session_frame(now);
+}
+
+void RobotLink::say_hello_from(MonotonicTime now) {
+  phase_ = Phase::hello;
+  hello_due_ = now;
+  hello_wait_ = kFirstHelloWait;
+  unanswered_since_.reset();
+}
+
+std::optional<std::vector<std::uint8_t>> RobotLink::hello_frame(MonotonicTime now) {
+  if (hello_due_ && now < *hello_due_) return std::nullopt;
+  hello_due_ = now + hello_wait_;
+  hello_wait_ = std::min(2 * hello_wait_, kMostHelloWait);
+  FrameWriter frame({.direction = Direction::up, .session = 0, .number = ++hellos_});
+  frame.add(Hello{.robot = config_.robot,
+                  .site = config_.site,
+                  .boot = config_.boot,
+                  .cell_size_mm = static_cast<std::uint16_t>(config_.cell_size_mm),
+                  .clock_ms = to_clock_ms(now)});
+  return finish(std::move(frame));
+}
+
+std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime now) {
+  std::vector<std::uint32_t> out_of_reach;
+  const std::uint32_t number = flight_.next_number(out_of_reach);
+  lost(out_of_reach);
+  FrameWriter frame({.direction = Direction::up, .session = session_, .number = number});
+  if (ack_due_ && frame.add(received_.ack())) ack_due_.reset();
+  const bool reports = reports_.fill(frame, number) > 0;
+  if (pose_is_due(now) && frame.add(*pose_)) {
+    pose_.reset();
+    pose_due_ = now + config_.pose_period;
+  }
+  const bool evidence = evidence_may_go() && evidence_.fill(frame, number) > 0;
+  if (reports || evidence) {
+    flight_.sent(number, evidence, now);
+    if (!unanswered_since_) unanswered_since_ = now;
+  }
+  return finish(std::move(frame));
+}
+
+std::optional<std::vector<std::uint8_t>> RobotLink::goodbye() {
+  if (!connected()) return std::nullopt;
+  std::vector<std::uint32_t> out_of_reach;
+  const std::uint32_t number = flight_.next_number(out_of_reach);
+  lost(out_of_reach);
+  FrameWriter frame({.direction = Direction::up, .session = session_, .number = number});
+  frame.add(Bye{});
+  return finish(std::move(frame));
+}
+
+std::vector<std::uint8_t> RobotLink::finish(FrameWriter&& frame) {
+  ++counters_.frames_sent;
+  counters_.bytes_sent += frame.size_bytes() + overhead_bytes_;
+  return std::move(frame).finish();
+}
+
+// ---- What is due --------------------------------------------------------------------------------
+
+bool RobotLink::silent_too_long(MonotonicTime now) const {
+  return unanswered_since_ && now - *unanswered_since_ >= kSilence;
+}
+
+bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due_; }
+
+bool RobotLink::evidence_may_go() const {
+  return flight_.evidence_may_go() && evidence_.has_news();
+}
+
+bool RobotLink::something_is_due(MonotonicTime now) const {
+  const bool ack = ack_due_ && now >= *ack_due_;
+  return ack || reports_.has_news() || pose_is_due(now) || evidence_may_go();
+}
+
+MonotonicTime RobotLink::next_due(MonotonicTime now) const {
+  if (phase_ == Phase::rejected) return now + kNothingDue;
+  if (phase_ == Phase::hello) return std::max(now, hello_due_.value_or(now));
+  if (something_is_due(now)) return now;
+  MonotonicTime due = now + kNothingDue;
+  if (ack_due_) due = std::min(due, *ack_due_);
+  if (pose_) due = std::min(due, pose_due_);
+  if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
+  if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);
+  return std::max(now, due);
+}
+
+}  // namespace cairn::proto

@@ -1,0 +1,193 @@
+#include "proto/sync/server_link.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace cairn::proto {
+namespace {
+
+bool elicits_ack(const ServerLink::Evidence& evidence, bool reports) {
+  return reports || !evidence.heads.empty() || !evidence.blocks.empty();
+}
+
+bool same_block(const Refusal& a, const Refusal& b) {
+  return a.sequence == b.sequence && a.key == b.key;
+}
+
+}  // namespace
+
+ServerLink::ServerLink(std::uint32_t session, const Hello& hello, std::uint64_t epoch,
+                       std::size_t carrier_overhead_bytes, MonotonicTime now)
+    : welcome_{.session = session, .boot = hello.boot, .epoch = epoch},
+      robot_(hello.robot),
+      overhead_bytes_(carrier_overhead_bytes),
+      heard_at_(now),
+      stamp_{.clock_ms = hello.clock_ms, .at = now} {
+  assert(session != 0);
+}
+
+std::optional<Duration> ServerLink::round_trip() const { return flight_.round_trip().smoothed(); }
+
+// ---- What arrives -------------------------------------------------------------------------------
+
+std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::size_t size_bytes,
+                                                    MonotonicTime now) {
+  assert(frame.header.session == session());
+  const std::uint32_t number = frame.header.number;
+  ++counters_.frames_received;
+  counters_.bytes_received += size_bytes + overhead_bytes_;
+  heard_at_ = now;
+  if (received_.is_done(number)) {
+    if (done_.is_done(number)) acknowledge_by(now + RobotLink::kAckDelay);
+    return {};
+  }
+  received_.done(number);
+
+  std::vector<Event> events;
+  Evidence evidence{.number = number, .heads = {}, .blocks = {}};
+  bool reports = false;
+  for (const Record& record : frame.records) {
+    if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
+    if (const auto* head = std::get_if<SubmapHead>(&record)) evidence.heads.push_back(*head);
+    if (const auto* block = std::get_if<BlockUpdate>(&record)) evidence.blocks.push_back(*block);
+    if (const auto* bye = std::get_if<Bye>(&record)) events.emplace_back(*bye);
+    if (const auto* pose = std::get_if<PoseReport>(&record)) {
+      if (take(*pose, now)) events.emplace_back(*pose);
+    }
+    if (const auto* report = std::get_if<CommandReport>(&record)) {
+      reports = true;
+      if (take(*report, number)) events.emplace_back(*report);
+    }
+  }
+  const bool eager = elicits_ack(evidence, reports);
+  if (!evidence.heads.empty() || !evidence.blocks.empty()) {
+    events.emplace_back(std::move(evidence));
+  } else {
+    done_.done(number);
+    acknowledge_by(now + (eager ? RobotLink::kAckDelay : kLazyAckDelay));
+  }
+  return events;
+}
+
+void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
+  const Flight::News news = flight_.on_ack(ack, now);
+  for (const std::uint32_t number : news.acked) orders_.on_acked(number);
+  lost(news.lost);
+}
+
+bool ServerLink::take(const PoseReport& pose, MonotonicTime now) {
+  if (pose.clock_ms < stamp_.clock_ms) return false;
+  stamp_ = {.clock_ms = pose.clock_ms, .at = now};
+  return true;
+}
+
+bool ServerLink::take(const CommandReport& report, std::uint32_t number) {
+  orders_.on_report(report);
+  const auto known = std::ranges::find_if(heard_, [&](const Heard& heard) {
+    return heard.report.command == report.command && heard.report.revision == report.revision;
+  });
+  if (known == heard_.end()) {
+    if (heard_.size() == ReportBoard::kMaxReports) heard_.pop_front();
+    heard_.push_back({report, number});
+    return true;
+  }
+  // Frames with higher numbers were made later: what they say is newer.
+  if (number < known->number || known->report == report) return false;
+  *known = {report, number};
+  return true;
+}
+
+void ServerLink::durable(std::uint32_t number) {
+  done_.done(number);
+  acknowledge_by(heard_at_ + RobotLink::kAckDelay);
+}
+
+void ServerLink::refuse(const Refusal& refusal) {
+  const auto known = std::ranges::find_if(
+      refusals_, [&](const Refusal& waiting) { return same_block(waiting, refusal); });
+  if (known != refusals_.end()) {
+    *known = refusal;
+  } else if (refusals_.size() < kMaxRefusals) {
+    refusals_.push_back(refusal);
+  }
+}
+
+void ServerLink::welcome_again() { welcome_due_ = true; }
+
+void ServerLink::command(Command command, std::vector<PathPart::Point> path, Duration expires_in,
+                         MonotonicTime now) {
+  orders_.set(std::move(command), path, now + expires_in);
+}
+
+void ServerLink::lost(const std::vector<std::uint32_t>& numbers) {
+  counters_.frames_lost += numbers.size();
+  for (const std::uint32_t number : numbers) orders_.on_lost(number);
+}
+
+void ServerLink::acknowledge_by(MonotonicTime due) {
+  ack_due_ = ack_due_ ? std::min(*ack_due_, due) : due;
+}
+
+// ---- What is sent -------------------------------------------------------------------------------
+
+std::optional<std::vector<std::uint8_t>> ServerLink::next_frame(MonotonicTime now) {
+  lost(flight_.on_time(now));
+  orders_.ask_again_if_due(now);
+  if (!something_is_due(now)) return std::nullopt;
+  return session_frame(now);
+}
+
+std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
+  std::vector<std::uint32_t> out_of_reach;
+  const std::uint32_t number = flight_.next_number(out_of_reach);
+  lost(out_of_reach);
+  FrameWriter frame({.direction = Direction::down, .session = session(), .number = number});
+  if (welcome_due_) welcome_due_ = !frame.add(welcome_);
+  const bool command =
+      orders_.fill_command(frame, number, in_robot_clock(orders_.expires_at()), now);
+  if (ack_due_ && frame.add(done_.ack())) ack_due_.reset();
+  const bool parts = orders_.fill_parts(frame, number);
+  add_refusals(frame);
+  if (command || parts) flight_.sent(number, false, now);
+  ++counters_.frames_sent;
+  counters_.bytes_sent += frame.size_bytes() + overhead_bytes_;
+  return std::move(frame).finish();
+}
+
+void ServerLink::add_refusals(FrameWriter& frame) {
+  const auto first_left =
+      std::ranges::find_if(refusals_, [&](const Refusal& refusal) { return !frame.add(refusal); });
+  refusals_.erase(refusals_.begin(), first_left);
+}
+
+std::uint64_t ServerLink::in_robot_clock(MonotonicTime time) const {
+  // The stamp was older than `at` by the unknown delay of its frame: that time is lost to the
+  // command, never added.
+  const auto after_stamp_ms =
+      std::chrono::floor<std::chrono::milliseconds>(time - stamp_.at).count();
+  if (after_stamp_ms >= 0) return stamp_.clock_ms + static_cast<std::uint64_t>(after_stamp_ms);
+  const auto before = static_cast<std::uint64_t>(-after_stamp_ms);
+  return before > stamp_.clock_ms ? 0 : stamp_.clock_ms - before;
+}
+
+bool ServerLink::something_is_due(MonotonicTime now) const {
+  const bool ack = ack_due_ && now >= *ack_due_;
+  return welcome_due_ || ack || orders_.has_news() || !refusals_.empty();
+}
+
+MonotonicTime ServerLink::next_due(MonotonicTime now) const {
+  if (something_is_due(now)) return now;
+  MonotonicTime due = now + RobotLink::kNothingDue;
+  if (ack_due_) due = std::min(due, *ack_due_);
+  if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
+  if (const auto ask = orders_.ask_due()) due = std::min(due, *ask);
+  return std::max(now, due);
+}
+
+Verdict judge(std::uint32_t held, std::uint32_t base, std::uint32_t version) {
+  if (held >= version) return Verdict::stale;
+  return held < base ? Verdict::refuse : Verdict::apply;
+}
+
+}  // namespace cairn::proto

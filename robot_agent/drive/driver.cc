@@ -1,0 +1,169 @@
+#include "robot_agent/drive/driver.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace cairn::agent {
+
+namespace {
+
+using proto::CommandState;
+using proto::DriveState;
+
+/// A way that is closed for less than this is not worth a new plan.
+constexpr Duration kBlockedPatience = std::chrono::milliseconds(400);
+/// While blocked the server is told again this often, so that it tries again.
+constexpr Duration kBlockedRepeat = std::chrono::seconds(3);
+/// [m] A path that begins further away was made for somewhere else.
+constexpr double kMaxOffPathM = 1.5;
+
+std::string in_metres(const char* text, double distance_m) {
+  char line[96];
+  std::snprintf(line, sizeof line, text, distance_m);
+  return line;
+}
+
+std::uint64_t to_ms(MonotonicTime time) {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
+}
+
+}  // namespace
+
+void Driver::take(const proto::RobotLink::Order& order, const Pose& pose, MonotonicTime clock) {
+  if (order.command.kind == proto::CommandKind::stop) {
+    take_stop(order.command);
+  } else {
+    take_goal(order, pose, clock);
+  }
+}
+
+void Driver::take_stop(const proto::Command& command) {
+  if (busy() && command.id != command_.id) {
+    end(CommandState::superseded, "stopped by " + command.issuer);
+  }
+  command_ = command;
+  follower_.reset();
+  end(CommandState::stopped, "");
+}
+
+void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
+                       MonotonicTime clock) {
+  if (busy() && order.command.id != command_.id) {
+    end(CommandState::superseded, "a newer goal came from " + order.command.issuer);
+  }
+  command_ = order.command;
+  if (to_ms(clock) >= command_.expires_clock_ms) {
+    return end(CommandState::expired, "it was already too old when it came");
+  }
+  std::vector<Eigen::Vector2d> path_m;
+  for (const proto::PathPart::Point& point : order.path) {
+    path_m.emplace_back(point.x_mm / 1000.0, point.y_mm / 1000.0);
+  }
+  if (path_m.empty()) return end(CommandState::refused, "it has no path");
+  path_points_ = path_m.size();
+  follower_.emplace(config_.follower, std::move(path_m));
+  state_ = DriveState::driving;
+  blocked_since_ = {};
+  blocked_reported_ = false;
+  report(CommandState::accepted, "");
+  follower_->advance({pose.x_m, pose.y_m});
+}
+
+void Driver::report(CommandState state, std::string why) {
+  reports_.push_back({command_.id, command_.revision, state, std::move(why)});
+}
+
+void Driver::end(CommandState how, std::string why) {
+  state_ = how == CommandState::arrived ? DriveState::idle : DriveState::stopped;
+  report(how, std::move(why));
+}
+
+std::vector<proto::CommandReport> Driver::take_reports() { return std::exchange(reports_, {}); }
+
+std::optional<std::string> Driver::reason_to_end(const Pose& pose, MonotonicTime clock,
+                                                 std::optional<Duration> silence) {
+  if (to_ms(clock) >= command_.expires_clock_ms) {
+    end(CommandState::expired, "its time was over before the goal was reached");
+    return reports_.back().why;
+  }
+  const auto timeout = std::chrono::milliseconds(command_.link_timeout_ms);
+  if (command_.on_link_loss == proto::OnLinkLoss::stop && silence.value_or(Duration{}) > timeout) {
+    end(CommandState::stopped, in_metres("the link was silent for %.1f s", to_seconds(*silence)));
+    return reports_.back().why;
+  }
+  if (std::max(std::abs(pose.roll_rad), std::abs(pose.pitch_rad)) > config_.max_tilt_rad) {
+    end(CommandState::stopped, "the ground is too steep here");
+    return reports_.back().why;
+  }
+  return std::nullopt;
+}
+
+DriveCommand Driver::step(const Pose& pose, const CellLookup& cells, int cell_size_mm,
+                          std::uint8_t min_probability, MonotonicTime clock,
+                          std::optional<Duration> silence) {
+  if (!busy() || reason_to_end(pose, clock, silence)) return {};
+  return follow(pose, cells, cell_size_mm, min_probability, clock);
+}
+
+void Driver::arrive() {
+  const Eigen::Vector2d goal_m(command_.goal_x_mm / 1000.0, command_.goal_y_mm / 1000.0);
+  const double short_m = (goal_m - follower_->end_m()).norm();
+  if (short_m <= config_.arrive_m) return end(CommandState::arrived, "");
+  end(CommandState::arrived,
+      in_metres("the nearest place in reach, %.1f m from the goal", short_m));
+}
+
+DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_size_mm,
+                            std::uint8_t min_probability, MonotonicTime clock) {
+  const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
+  follower_->advance(place_m);
+  if ((follower_->end_m() - place_m).norm() <= config_.arrive_m) {
+    if (path_points_ < proto::kMaxPathPoints) {
+      arrive();
+    } else {
+      block("the path ends here: the rest, please", clock);
+    }
+    return {};
+  }
+  if (follower_->off_path_m() > kMaxOffPathM) {
+    block(in_metres("the path is %.1f m away", follower_->off_path_m()), clock);
+    return {};
+  }
+  VehicleLimits limits = config_.limits;
+  limits.radius_m = std::max(0.0, limits.radius_m - config_.margin_m);
+  const LocalView view(cells, cell_size_mm, min_probability, place_m, config_.look_m + 1.0, limits);
+  std::vector<Eigen::Vector2d> way = follower_->ahead();
+  way.insert(way.begin(), place_m);
+  const Ahead ahead = view.look_along(way, config_.look_m);
+  if (ahead.clear_m < std::min(config_.stop_short_m, follower_->to_go_m())) {
+    block(in_metres("something closes the way %.1f m ahead", ahead.clear_m), clock);
+    return {};
+  }
+  if (ahead.unknown_m >= config_.unknown_gap_m && ahead.known_m < config_.stop_short_m) {
+    block("the ground ahead cannot be seen: it may be a drop", clock);
+    return {};
+  }
+  state_ = DriveState::driving;
+  blocked_since_ = {};
+  blocked_reported_ = false;
+  double limit_m_s = std::sqrt(2.0 * config_.follower.deceleration_m_s2 *
+                               std::max(0.0, ahead.clear_m - config_.stop_short_m * 0.5));
+  if (ahead.unknown_m > 0.0) limit_m_s = std::min(limit_m_s, config_.unknown_speed_m_s);
+  return follower_->steer(pose, std::max(limit_m_s, config_.follower.creep_m_s));
+}
+
+void Driver::block(std::string why, MonotonicTime clock) {
+  state_ = DriveState::blocked;
+  if (blocked_since_ == MonotonicTime{}) blocked_since_ = clock;
+  const Duration patience = blocked_reported_ ? kBlockedRepeat : kBlockedPatience;
+  if (clock - blocked_since_ < patience) return;
+  blocked_since_ = clock;
+  blocked_reported_ = true;
+  report(CommandState::blocked, std::move(why));
+}
+
+}  // namespace cairn::agent

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/common/time.h"
+#include "core/map/traversability.h"
+#include "core/pose/pose.h"
+#include "proto/codec/records.h"
+#include "proto/sync/robot_link.h"
+#include "robot_agent/drive/local_view.h"
+#include "robot_agent/drive/path_follower.h"
+
+namespace cairn::agent {
+
+struct DriverConfig {
+  FollowerConfig follower;
+  VehicleLimits limits;
+  /// [m] Around its middle the robot itself insists on this much less room than the server plans
+  /// with, so that noise in a cell at the rim does not stop it.
+  double margin_m = 0.1;
+  double arrive_m = 0.06;      ///< [m] Nearer to the end than this is arrived.
+  double look_m = 1.2;         ///< [m] How far ahead the way is judged.
+  double stop_short_m = 0.45;  ///< [m] Distance kept from what closes the way.
+  double unknown_gap_m = 0.6;  ///< [m] A stretch of unseen ground this long may be a drop: stop.
+  double unknown_speed_m_s = 0.25;  ///< [m/s] Where some ground ahead is unseen.
+  double max_tilt_rad = 0.45;       ///< [rad] Beyond it the robot stops.
+};
+
+/// Carries out commands: one at a time, newest wins. Stops by itself when the command expires, when
+/// the link is silent for too long (if the command says so), when the way is closed, and when the
+/// robot tilts.
+class Driver {
+ public:
+  explicit Driver(const DriverConfig& config) : config_(config) {}
+
+  /// A command from the server. `clock` is the robot's own.
+  void take(const proto::RobotLink::Order& order, const Pose& pose, MonotonicTime clock);
+
+  /// What the wheels shall do now. `silence`: time since the server was last heard.
+  DriveCommand step(const Pose& pose, const CellLookup& cells, int cell_size_mm,
+                    std::uint8_t min_probability, MonotonicTime clock,
+                    std::optional<Duration> silence);
+
+  /// What became of commands since this was last asked.
+  [[nodiscard]] std::vector<proto::CommandReport> take_reports();
+
+  [[nodiscard]] proto::DriveState state() const { return state_; }
+  [[nodiscard]] std::uint64_t command() const { return busy() ? command_.id : 0; }
+  [[nodiscard]] double to_go_m() const { return follower_ && busy() ? follower_->to_go_m() : 0.0; }
+  [[nodiscard]] bool busy() const {
+    return state_ == proto::DriveState::driving || state_ == proto::DriveState::blocked;
+  }
+
+ private:
+  void take_stop(const proto::Command& command);
+  void take_goal(const proto::RobotLink::Order& order, const Pose& pose, MonotonicTime clock);
+  void end(proto::CommandState how, std::string why);
+  void report(proto::CommandState state, std::string why);
+  void block(std::string why, MonotonicTime clock);
+  [[nodiscard]] std::optional<std::string> reason_to_end(const Pose& pose, MonotonicTime clock,
+                                                         std::optional<Duration> silence);
+  DriveCommand follow(const Pose& pose, const CellLookup& cells, int cell_size_mm,
+                      std::uint8_t min_probability, MonotonicTime clock);
+  void arrive();
+
+  DriverConfig config_;
+  proto::DriveState state_ = proto::DriveState::idle;
+  proto::Command command_;
+  std::optional<PathFollower> follower_;
+  std::size_t path_points_ = 0;
+  MonotonicTime blocked_since_{};
+  bool blocked_reported_ = false;
+  std::vector<proto::CommandReport> reports_;  ///< Bounded: emptied at every step.
+};
+
+}  // namespace cairn::agent

@@ -1,0 +1,275 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <iostream>
+#include <random>
+#include <thread>
+
+#include "core/common/angle.h"
+#include "proto/dds/endpoint.h"
+#include "proto/dds/robot_carrier.h"
+#include "robot_agent/input/carmen_log.h"
+#include "robot_agent/input/simulator.h"
+#include "robot_agent/pipeline/agent.h"
+
+namespace {
+
+using namespace std::chrono_literals;
+using cairn::MonotonicTime;
+using cairn::Result;
+using cairn::Status;
+using cairn::agent::Agent;
+using cairn::agent::Input;
+
+std::atomic<bool> stop_asked{false};
+
+struct Options {
+  std::string world;
+  std::string replay;
+  std::uint64_t seed = 1;
+  double speed = 1.0;
+  double max_range_m = cairn::agent::LogConfig{}.max_range_m;
+  std::string server = "dds://127.0.0.1";
+  std::string robot = "robot";
+  std::string site = "lab";
+  int cell_mm = 125;
+  double max_speed_m_s = cairn::agent::FollowerConfig{}.max_speed_m_s;
+  double mapping_range_m = cairn::agent::MapperConfig{}.mapping_range_m;
+  cairn::VehicleLimits vehicle;
+  std::string log_level = "info";
+};
+
+constexpr const char* kExamples = R"(Examples:
+  cairn-agent --world room --site lab                 a simulated robot in a furnished laboratory
+  cairn-agent --world block --seed 7 --robot atrv-2   a city block, other furniture, another robot
+  cairn-agent --world dem:terrain_10cm.csv --site hills
+                                                      any terrain file (TIFF, or rows of heights)
+  cairn-agent --replay intel.clf.bz2 --site intel     a CARMEN log, as fast as the machine allows
+  cairn-agent --world room --server "dds://10.0.0.2?domain=3"
+                                                      a server on another machine
+
+Worlds: room, ramp, block, hill, dem:FILE[@CELL_SIZE_IN_M])";
+
+void describe(CLI::App& app, Options& options) {
+  app.footer(kExamples);
+  app.set_config("--config", "", "Read flags from a TOML file; unknown keys are refused");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  app.set_version_flag("--version", CAIRN_VERSION);
+  auto* input = app.add_option_group("input", "Where the robot's readings come from");
+  input->add_option("--world", options.world, "Simulate a robot in this world");
+  input->add_option("--replay", options.replay, "Replay this CARMEN log (plain, .gz, .bz2)");
+  input->require_option(1);
+  app.add_option("--seed", options.seed, "Of the simulated world and all its noise")
+      ->capture_default_str();
+  app.add_option("--speed", options.speed, "Simulated seconds per second")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  app.add_option("--max-range-m", options.max_range_m, "Replay: readings beyond are no return")
+      ->check(CLI::Range(1.0, 200.0))
+      ->capture_default_str();
+  app.add_option("--server", options.server, "The server: dds://HOST[?domain=N]")
+      ->capture_default_str();
+  app.add_option("--robot", options.robot, "This robot's id: a-z, 0-9, '-', '_'")
+      ->capture_default_str();
+  app.add_option("--site", options.site, "The site it works on (founded with `cairn found`)")
+      ->capture_default_str();
+  app.add_option("--cell-mm", options.cell_mm, "Size of a map cell, the site's [mm]")
+      ->check(CLI::Range(10, 2000))
+      ->capture_default_str();
+  app.add_option("--max-speed", options.max_speed_m_s, "Highest driving speed [m/s]")
+      ->check(CLI::Range(0.05, 3.0))
+      ->capture_default_str();
+  app.add_option("--mapping-range-m", options.mapping_range_m, "Beams are believed this far [m]")
+      ->check(CLI::Range(1.0, 80.0))
+      ->capture_default_str();
+  app.add_option("--climb-mm", options.vehicle.climb_mm, "Highest step it climbs [mm]")
+      ->check(CLI::Range(0, 2000))
+      ->capture_default_str();
+  app.add_option("--descend-mm", options.vehicle.descend_mm, "Deepest step it goes down [mm]")
+      ->check(CLI::Range(0, 2000))
+      ->capture_default_str();
+  app.add_option("--radius-m", options.vehicle.radius_m, "Room it needs around its middle [m]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}))
+      ->capture_default_str();
+}
+
+cairn::agent::AgentConfig config_of(const Options& options) {
+  cairn::agent::AgentConfig config;
+  std::random_device random;
+  config.link.robot = options.robot;
+  config.link.site = options.site;
+  config.link.boot = (std::uint64_t{random()} << 32) | random();
+  config.link.cell_size_mm = options.cell_mm;
+  config.mapper.cell_size_mm = options.cell_mm;
+  config.mapper.mapping_range_m = options.mapping_range_m;
+  config.driver.limits = options.vehicle;
+  config.driver.follower.max_speed_m_s = options.max_speed_m_s;
+  return config;
+}
+
+Result<std::unique_ptr<Input>> open_input(const Options& options) {
+  if (!options.replay.empty()) {
+    cairn::agent::LogConfig log;
+    log.max_range_m = options.max_range_m;
+    return cairn::agent::open_carmen_log(options.replay, log);
+  }
+  cairn::agent::SimulatorConfig simulator;
+  simulator.world = options.world;
+  simulator.seed = options.seed;
+  return cairn::agent::make_simulator(simulator);
+}
+
+MonotonicTime since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration_cast<MonotonicTime>(std::chrono::steady_clock::now() - start);
+}
+
+void tell_journey(const cairn::agent::Journey& journey) {
+  const auto& [report, believed, truth] = journey;
+  spdlog::info("command {}: {} at ({:.2f}, {:.2f}){}{}", report.command,
+               report.state == cairn::proto::CommandState::arrived ? "arrived" : "ended",
+               believed.x_m, believed.y_m, report.why.empty() ? "" : ": ", report.why);
+  if (!truth) return;
+  const cairn::Pose& pose = truth->T_site_robot;
+  spdlog::info(
+      "truth: ({:.3f}, {:.3f}), position error {:.3f} m, heading error {:.2f} deg, "
+      "{} collisions",
+      pose.x_m, pose.y_m, std::hypot(pose.x_m - believed.x_m, pose.y_m - believed.y_m),
+      std::abs(cairn::degrees(cairn::wrap_angle(pose.yaw_rad - believed.yaw_rad))),
+      truth->collisions);
+}
+
+/// The connection as the log shows it, a line for each change.
+class LinkWatch {
+ public:
+  void look(const cairn::proto::RobotLink& link) {
+    if (link.connected() == connected_) return;
+    connected_ = link.connected();
+    spdlog::info(connected_ ? "connected to the server" : "the server does not answer");
+  }
+
+ private:
+  bool connected_ = false;
+};
+
+Status check_rejected(const Agent& agent) {
+  if (const auto& rejected = agent.link().rejected()) return *rejected;
+  return {};
+}
+
+/// Real time, or a multiple of it: the robot lives until it is told to end.
+Status run_live(Agent& agent, double speed) {
+  constexpr auto kPeriod = 50ms;
+  const auto start = std::chrono::steady_clock::now();
+  LinkWatch watch;
+  auto next = start;
+  while (!stop_asked) {
+    const MonotonicTime clock = since(start);
+    const auto input_time = cairn::from_seconds(cairn::to_seconds(clock) * speed);
+    if (Status stepped = agent.step(input_time, clock); !stepped) return stepped;
+    next += kPeriod;
+    for (auto now = std::chrono::steady_clock::now(); now < next && !stop_asked;
+         now = std::chrono::steady_clock::now()) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - now);
+      if (Status done =
+              agent.exchange(since(start), std::min<std::chrono::milliseconds>(left, 10ms));
+          !done) {
+        return done;
+      }
+    }
+    next = std::max(next, std::chrono::steady_clock::now() - kPeriod);  // Never catch up in bursts.
+    watch.look(agent.link());
+    if (Status status = check_rejected(agent); !status) return status;
+    if (const auto journey = agent.take_journey()) tell_journey(*journey);
+  }
+  return {};
+}
+
+/// A log, as fast as the link takes it; ends when the server holds everything.
+Status run_replay(Agent& agent, Input& input) {
+  const auto start = std::chrono::steady_clock::now();
+  LinkWatch watch;
+  const auto service = [&](std::chrono::milliseconds wait) -> Status {
+    if (Status done = agent.exchange(since(start), wait); !done) return done;
+    watch.look(agent.link());
+    return check_rejected(agent);
+  };
+  while (!agent.link().connected() && !stop_asked) {
+    if (Status done = service(20ms); !done) return done;
+  }
+  MonotonicTime log_time{};
+  while (!input.finished() && !stop_asked) {
+    while (agent.congested() && !stop_asked) {
+      if (Status done = service(5ms); !done) return done;
+    }
+    log_time = input.next_stamp().value_or(log_time) + 200ms;
+    if (Status stepped = agent.step(log_time, since(start)); !stepped) return stepped;
+    if (Status done = service(0ms); !done) return done;
+  }
+  agent.finish();
+  while (!agent.link().evidence().synchronised() && !stop_asked) {
+    if (Status done = service(5ms); !done) return done;
+  }
+  const double real_s = cairn::to_seconds(since(start));
+  spdlog::info(
+      "replayed {:.0f} s of log in {:.1f} s ({:.0f} times real time): {} beams, {:.1f} m, "
+      "{:.1f} MB sent",
+      cairn::to_seconds(log_time), real_s, cairn::to_seconds(log_time) / real_s,
+      agent.mapper().beams(), agent.mapper().distance_m(),
+      static_cast<double>(agent.link().counters().bytes_sent) / 1e6);
+  return {};
+}
+
+Status run(const Options& options) {
+  if (!cairn::proto::is_robot_id(options.robot)) {
+    return cairn::Error{cairn::ErrorCode::invalid_argument,
+                        "--robot " + options.robot + ": use 1 to 32 of a-z, 0-9, '-' and '_'"};
+  }
+  auto input = open_input(options);
+  if (!input) return input.error();
+  auto endpoint = cairn::proto::parse_dds_url(options.server);
+  if (!endpoint) return endpoint.error();
+  auto carrier = cairn::proto::DdsRobotCarrier::create(*endpoint, options.robot);
+  if (!carrier) return carrier.error();
+  Agent agent(config_of(options), **input, **carrier);
+  spdlog::info("robot {} on site {}, looking for the server at {}", options.robot, options.site,
+               options.server);
+  const Status result =
+      options.replay.empty() ? run_live(agent, options.speed) : run_replay(agent, **input);
+  const auto& counters = agent.link().counters();
+  spdlog::info("link: {} bytes up, {} bytes down, {} frames lost", counters.bytes_sent,
+               counters.bytes_received, counters.frames_lost);
+  agent.say_goodbye();
+  return result;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The onboard agent: senses, maps, drives to goals, streams its map to the server.",
+               "cairn-agent");
+  Options options;
+  describe(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("cairn-agent"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  std::signal(SIGINT, [](int) { stop_asked = true; });
+  std::signal(SIGTERM, [](int) { stop_asked = true; });
+  if (Status result = run(options); !result) {
+    std::cerr << "cairn-agent: " << result.error().message << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,118 @@
+#include "robot_agent/pipeline/agent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+namespace cairn::agent {
+
+namespace {
+
+std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
+
+template <class Int>
+Int saturated(double value) {
+  return static_cast<Int>(std::clamp(std::round(value),
+                                     static_cast<double>(std::numeric_limits<Int>::min()),
+                                     static_cast<double>(std::numeric_limits<Int>::max())));
+}
+
+std::uint64_t to_ms(MonotonicTime time) {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
+}
+
+bool is_end(proto::CommandState state) {
+  return state != proto::CommandState::accepted && state != proto::CommandState::blocked;
+}
+
+}  // namespace
+
+Agent::Agent(const AgentConfig& config, Input& input, proto::Carrier& carrier)
+    : config_(config),
+      input_(input),
+      carrier_(carrier),
+      link_(config.link, carrier.overhead_bytes()),
+      mapper_(config.mapper, input.lasers(), input.start(), config.link.boot, link_.evidence()),
+      driver_(config.driver) {}
+
+Status Agent::step(MonotonicTime until, MonotonicTime clock) {
+  Result<std::vector<Reading>> readings = input_.advance(until);
+  if (!readings) return readings.error();
+  for (const Reading& reading : *readings) take_reading(reading);
+  drive(clock);
+  tell(clock);
+  return {};
+}
+
+void Agent::take_reading(const Reading& reading) {
+  if (const auto* motion = std::get_if<MotionReading>(&reading)) mapper_.take_motion(*motion);
+  if (const auto* scan = std::get_if<Scan>(&reading)) mapper_.take_scan(*scan);
+}
+
+void Agent::drive(MonotonicTime clock) {
+  const auto cells = [this](CellIndex cell) { return mapper_.cell(cell); };
+  wheels_ = driver_.step(mapper_.pose(), cells, mapper_.cell_size_mm(),
+                         mapper_.sensor_model().min_probability, clock, link_.silence(clock));
+  input_.drive(wheels_);
+}
+
+void Agent::tell(MonotonicTime clock) {
+  for (const proto::CommandReport& report : driver_.take_reports()) {
+    link_.report(report);
+    if (is_end(report.state)) journey_ = Journey{report, mapper_.pose(), input_.truth()};
+  }
+  const Pose& pose = mapper_.pose();
+  proto::PoseReport report;
+  report.clock_ms = to_ms(clock);
+  report.T_site_robot = {to_mm(pose.x_m), to_mm(pose.y_m), to_mm(pose.z_m),
+                         static_cast<std::int32_t>(std::lround(pose.yaw_rad * 1e4))};
+  report.roll_1e4rad = saturated<std::int16_t>(pose.roll_rad * 1e4);
+  report.pitch_1e4rad = saturated<std::int16_t>(pose.pitch_rad * 1e4);
+  report.sigma_mm = saturated<std::uint16_t>(mapper_.position_sigma_m() * 1000.0);
+  report.speed_mm_s = saturated<std::int16_t>(wheels_.speed_m_s * 1000.0);
+  report.drive = driver_.state();
+  report.command = driver_.command();
+  report.to_go_mm = saturated<std::uint32_t>(driver_.to_go_m() * 1000.0);
+  report.backlog_blocks = static_cast<std::uint32_t>(link_.evidence().backlog_blocks());
+  link_.set_pose(report);
+}
+
+Status Agent::send_due(MonotonicTime clock) {
+  while (auto bytes = link_.next_frame(clock)) {
+    const Status sent = carrier_.send({{}, std::move(*bytes)});
+    // A server that is not in reach yet is what the link's timers are for.
+    if (!sent && sent.error().code != ErrorCode::unavailable) return sent;
+  }
+  return {};
+}
+
+Status Agent::exchange(MonotonicTime clock, std::chrono::milliseconds wait) {
+  if (Status sent = send_due(clock); !sent) return sent;
+  for (auto timeout = wait;; timeout = std::chrono::milliseconds(0)) {
+    Result<std::optional<proto::Datagram>> received = carrier_.receive(timeout);
+    if (!received) return received.error();
+    if (!received->has_value()) break;
+    for (const proto::RobotLink::Order& order : link_.on_frame((*received)->bytes, clock)) {
+      if (input_.can_drive()) {
+        driver_.take(order, mapper_.pose(), clock);
+      } else {
+        link_.report({order.command.id, order.command.revision, proto::CommandState::refused,
+                      "this robot replays a log and cannot drive"});
+      }
+    }
+  }
+  return send_due(clock);
+}
+
+void Agent::say_goodbye() {
+  if (auto bytes = link_.goodbye()) (void)carrier_.send({{}, std::move(*bytes)});
+}
+
+bool Agent::congested() const {
+  return link_.evidence().backlog_blocks() > config_.replay_backlog_blocks;
+}
+
+}  // namespace cairn::agent

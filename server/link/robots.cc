@@ -1,0 +1,73 @@
+#include "server/link/robots.h"
+
+#include <cmath>
+
+namespace cairn::server {
+
+namespace {
+
+const char* name_of(proto::DriveState state) {
+  switch (state) {
+    case proto::DriveState::idle:
+      return "idle";
+    case proto::DriveState::driving:
+      return "driving";
+    case proto::DriveState::blocked:
+      return "blocked";
+    case proto::DriveState::stopped:
+      return "stopped";
+  }
+  return "idle";
+}
+
+api::LinkJson describe_link(const Robot& robot, MonotonicTime now) {
+  api::LinkJson link;
+  if (!robot.link) return link;
+  const proto::LinkCounters& counters = robot.link->counters();
+  link.silence_s = to_seconds(robot.link->silence(now));
+  link.connected = link.silence_s < 5.0;
+  link.round_trip_s = to_seconds(robot.link->round_trip().value_or(Duration{}));
+  link.bytes_up = counters.bytes_received;
+  link.bytes_down = counters.bytes_sent;
+  link.frames_lost = counters.frames_lost;
+  link.frames_malformed = robot.frames_malformed;
+  if (robot.pose) link.backlog_blocks = robot.pose->backlog_blocks;
+  return link;
+}
+
+}  // namespace
+
+void Robot::take_pose(const proto::PoseReport& report, MonotonicTime now) {
+  if (pose && report.clock_ms < pose->clock_ms) return;  // Overtaken on the way.
+  pose = report;
+  pose_received = now;
+  if (!track.empty() &&
+      std::hypot(track.back().x_m - x_m(), track.back().y_m - y_m()) < kTrackSpacing) {
+    return;
+  }
+  track.push_back({x_m(), y_m()});
+  if (track.size() > kMaxTrack) track.pop_front();
+}
+
+api::RobotJson describe(const Robot& robot, MonotonicTime now) {
+  api::RobotJson json;
+  json.id = robot.id;
+  json.site = robot.site->info().name;
+  json.link = describe_link(robot, now);
+  json.drive = name_of(proto::DriveState::idle);
+  if (!robot.pose) return json;
+  const proto::PoseReport& pose = *robot.pose;
+  json.x_m = robot.x_m();
+  json.y_m = robot.y_m();
+  json.z_m = pose.T_site_robot.z_mm / 1000.0;
+  json.yaw_rad = pose.T_site_robot.yaw_1e4rad * 1e-4;
+  json.roll_rad = pose.roll_1e4rad * 1e-4;
+  json.pitch_rad = pose.pitch_1e4rad * 1e-4;
+  json.sigma_m = pose.sigma_mm / 1000.0;
+  json.speed_m_s = pose.speed_mm_s / 1000.0;
+  json.pose_age_s = to_seconds(now - robot.pose_received);
+  json.drive = name_of(pose.drive);
+  return json;
+}
+
+}  // namespace cairn::server

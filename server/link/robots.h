@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/common/time.h"
+#include "proto/json/messages.h"
+#include "proto/sync/server_link.h"
+#include "server/world/site.h"
+
+namespace cairn::server {
+
+/// What the server knows of one robot, whether it is connected now or was once.
+struct Robot {
+  std::string id;
+  std::shared_ptr<Site> site;
+  std::unique_ptr<proto::ServerLink> link;  ///< Null before its first session.
+  std::size_t carrier = 0;                  ///< Which carrier its frames come by.
+  std::string peer;                         ///< Its name on that carrier.
+  std::optional<proto::PoseReport> pose;    ///< Newest by the robot's own clock.
+  MonotonicTime pose_received{};
+  std::uint64_t frames_malformed = 0;  ///< Bytes in its name that are no frame.
+  std::deque<api::PointJson> track;    ///< Where it was, newest last.
+
+  /// [points] Beyond it the oldest are forgotten.
+  static constexpr std::size_t kMaxTrack = 20'000;
+  /// [m] Points of the track are this far apart.
+  static constexpr double kTrackSpacing = 0.1;
+
+  void take_pose(const proto::PoseReport& report, MonotonicTime now);
+  [[nodiscard]] double x_m() const { return pose ? pose->T_site_robot.x_mm / 1000.0 : 0.0; }
+  [[nodiscard]] double y_m() const { return pose ? pose->T_site_robot.y_mm / 1000.0 : 0.0; }
+};
+
+/// The robot as the API shows it, without its command.
+[[nodiscard]] api::RobotJson describe(const Robot& robot, MonotonicTime now);
+
+}  // namespace cairn::server

@@ -1,0 +1,311 @@
+#include "server/mission/mission.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/post.hpp>
+#include <cmath>
+#include <utility>
+
+#include "server/mission/planning.h"
+
+namespace cairn::server {
+
+namespace asio = boost::asio;
+
+namespace {
+
+const char* name_of(proto::CommandState state) {
+  switch (state) {
+    case proto::CommandState::accepted:
+      return "accepted";
+    case proto::CommandState::refused:
+      return "refused";
+    case proto::CommandState::superseded:
+      return "superseded";
+    case proto::CommandState::arrived:
+      return "arrived";
+    case proto::CommandState::stopped:
+      return "stopped";
+    case proto::CommandState::expired:
+      return "expired";
+    case proto::CommandState::blocked:
+      return "blocked";
+  }
+  return "accepted";
+}
+
+const char* name_of(PathStatus status) {
+  switch (status) {
+    case PathStatus::complete:
+      return "complete";
+    case PathStatus::partial:
+      return "partial";
+    case PathStatus::none:
+      return "none";
+  }
+  return "none";
+}
+
+std::vector<api::PointJson> to_json_points(const std::vector<Eigen::Vector2d>& points_m) {
+  std::vector<api::PointJson> points;
+  points.reserve(points_m.size());
+  for (const Eigen::Vector2d& p : points_m) points.push_back({p.x(), p.y()});
+  return points;
+}
+
+std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
+
+/// The path as the wire carries it; one too long for it is cut, and the robot asks for the rest
+/// when it gets there (it ends short of the goal, so it reports "blocked").
+std::vector<proto::PathPart::Point> to_wire_points(const std::vector<Eigen::Vector2d>& points_m) {
+  std::vector<proto::PathPart::Point> points;
+  for (const Eigen::Vector2d& p : points_m) {
+    if (points.size() == proto::kMaxPathPoints) break;
+    points.push_back({to_mm(p.x()), to_mm(p.y())});
+  }
+  return points;
+}
+
+}  // namespace
+
+Mission::Mission(Hub::Strand strand, asio::any_io_executor executor, std::shared_ptr<Hub> hub,
+                 MissionConfig config)
+    : strand_(strand),
+      executor_(std::move(executor)),
+      hub_(std::move(hub)),
+      config_(config),
+      timer_(strand_) {}
+
+void Mission::start() {
+  running_ = true;
+  tick();
+}
+
+void Mission::halt() {
+  running_ = false;
+  timer_.cancel();
+}
+
+Result<Robot*> Mission::robot_for(const std::optional<std::string>& name) {
+  auto& robots = hub_->robots();
+  if (name) {
+    Robot* robot = hub_->find(*name);
+    if (robot == nullptr || !robot->link) {
+      return Error{ErrorCode::not_found,
+                   fmt::format("no robot '{}' has connected: see `cairn status`", *name)};
+    }
+    return robot;
+  }
+  if (robots.empty()) {
+    return Error{ErrorCode::unavailable,
+                 "no robot has connected yet: start cairn-agent and look at `cairn status`"};
+  }
+  if (robots.size() > 1) {
+    return Error{ErrorCode::invalid_argument,
+                 "several robots are known: say which with --robot (see `cairn status`)"};
+  }
+  return &robots.begin()->second;
+}
+
+void Mission::go_to(const api::GotoRequest& request, Service::Reply<api::CommandReply> reply) {
+  Result<Robot*> found = robot_for(request.robot);
+  if (!found) return reply(found.error());
+  Robot& robot = **found;
+  if (!robot.pose) {
+    return reply(Error{
+        ErrorCode::unavailable,
+        fmt::format("robot '{}' has not told its pose yet: try again in a moment", robot.id)});
+  }
+  Goal goal;
+  goal.planner = config_.planner;
+  goal.planner.unknown =
+      request.unknown == "blocked" ? UnknownGround::blocked : UnknownGround::allowed;
+  goal.allow_partial = request.allow_partial;
+  goal.expires = Hub::now() + from_seconds(request.expires_s);
+  goal.command.kind = proto::CommandKind::go_to;
+  goal.command.issuer = "operator";
+  goal.command.on_link_loss =
+      request.on_link_loss == "continue" ? proto::OnLinkLoss::proceed : proto::OnLinkLoss::stop;
+  goal.command.goal_x_mm = to_mm(request.x_m);
+  goal.command.goal_y_mm = to_mm(request.y_m);
+  plan(robot, goal, {}, [self = shared_from_this(), id = robot.id, goal, reply](const Planned& p) {
+    self->issue(id, goal, p, reply);
+  });
+}
+
+void Mission::stop(const api::StopRequest& request, Service::Reply<api::CommandReply> reply) {
+  Result<Robot*> found = robot_for(request.robot);
+  if (!found) return reply(found.error());
+  Goal goal;
+  goal.command.kind = proto::CommandKind::stop;
+  goal.command.issuer = "operator";
+  goal.expires = Hub::now() + std::chrono::hours(1);
+  Planned planned;
+  planned.path.status = PathStatus::complete;
+  issue((*found)->id, std::move(goal), planned, reply);
+}
+
+void Mission::plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vector2d> keep_m,
+                   OnPlanned done) {
+  PlanRequest request;
+  request.start_m = {robot.x_m(), robot.y_m()};
+  request.goal_m = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
+  request.allow_partial = goal.allow_partial;
+  asio::post(
+      executor_, [self = shared_from_this(), map = robot.site->snapshot(), request,
+                  planner = goal.planner, keep_m = std::move(keep_m), done = std::move(done)] {
+        const MonotonicTime began = Hub::now();
+        Planned planned;
+        planned.map_version = map->version;
+        const auto grid = drivable_grid(*map, {request.start_m, request.goal_m}, planner,
+                                        self->config_.min_probability);
+        if (!grid) {
+          planned.path.why = grid.error().message;
+        } else if (!keep_m.empty() && path_is_open(*grid, rest_of(keep_m, request.start_m))) {
+          planned.kept = true;
+        } else {
+          planned.path = cairn::plan(*grid, request, planner);
+        }
+        planned.took = Hub::now() - began;
+        asio::post(self->strand_, [done, planned = std::move(planned)] { done(planned); });
+      });
+}
+
+void Mission::issue(const std::string& id, Goal goal, const Planned& planned,
+                    const Service::Reply<api::CommandReply>& reply) {
+  if (planned.path.status == PathStatus::none) {
+    return reply(Error{ErrorCode::invalid_argument, "no path: " + planned.path.why});
+  }
+  goal.path_m = planned.path.points_m;
+  goal.why = planned.path.why;
+  goal.command.map_version = planned.map_version;
+  goal.checked_map = planned.map_version;
+  std::shared_ptr<Site> site = hub_->robots().at(id).site;
+  site->next_command_id([self = shared_from_this(), id, goal = std::move(goal), path = planned.path,
+                         reply](Result<std::uint64_t> number) mutable {
+    asio::post(self->strand_, [self, id, goal = std::move(goal), path = std::move(path), reply,
+                               number = std::move(number)]() mutable {
+      if (!number) return reply(number.error());
+      Robot* robot = self->hub_->find(id);
+      if (robot == nullptr) return;
+      goal.command.id = *number;
+      Goal& current = self->goals_[id] = std::move(goal);
+      self->send(*robot, current);
+      api::CommandReply answer;
+      answer.command = *number;
+      answer.robot = id;
+      answer.status = name_of(path.status);
+      answer.why = path.why;
+      answer.length_m = path.length_m;
+      answer.cost_m = path.cost_m;
+      answer.path = to_json_points(path.points_m);
+      reply(answer);
+    });
+  });
+}
+
+void Mission::send(Robot& robot, Goal& goal) {
+  ++goal.command.revision;
+  std::vector<proto::PathPart::Point> path = to_wire_points(goal.path_m);
+  goal.command.path_points = static_cast<std::uint16_t>(path.size());
+  goal.command.link_timeout_ms = static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(config_.link_timeout).count());
+  hub_->command(robot, goal.command, std::move(path), goal.expires - Hub::now());
+}
+
+void Mission::connected(Robot& robot) {
+  const auto found = goals_.find(robot.id);
+  if (found != goals_.end() && found->second.active()) send(robot, found->second);
+}
+
+void Mission::reported(Robot& robot, const proto::CommandReport& report) {
+  const auto found = goals_.find(robot.id);
+  if (found == goals_.end() || found->second.command.id != report.command) return;
+  Goal& goal = found->second;
+  if (!goal.active() || report.revision < goal.command.revision) return;  // Of an older path.
+  goal.state = name_of(report.state);
+  goal.why = report.why;
+  goal.wants_plan = report.state == proto::CommandState::blocked;
+  spdlog::info("robot {}: command {} {}{}{}", robot.id, report.command, goal.state,
+               report.why.empty() ? "" : ": ", report.why);
+}
+
+void Mission::check(Robot& robot, Goal& goal) {
+  const MonotonicTime now = Hub::now();
+  if (now >= goal.expires) {  // The robot's own clock says so too; it may be out of reach.
+    goal.state = "expired";
+    return;
+  }
+  if (goal.planning || goal.command.kind != proto::CommandKind::go_to || now < goal.next_check) {
+    return;
+  }
+  if (!goal.wants_plan && robot.site->snapshot()->version == goal.checked_map) return;
+  goal.planning = true;
+  std::vector<Eigen::Vector2d> keep = goal.path_m;
+  if (goal.wants_plan) keep.clear();
+  plan(robot, goal, std::move(keep),
+       [self = shared_from_this(), id = robot.id, command = goal.command.id](const Planned& p) {
+         self->replanned(id, command, p);
+       });
+}
+
+void Mission::replanned(const std::string& id, std::uint64_t command, const Planned& planned) {
+  const auto found = goals_.find(id);
+  if (found == goals_.end() || found->second.command.id != command) return;
+  Goal& goal = found->second;
+  goal.planning = false;
+  goal.checked_map = planned.map_version;
+  goal.next_check = Hub::now() + std::max(from_seconds(to_seconds(planned.took) / kCheckShare),
+                                          Duration(goal.wants_plan ? 1'000'000 : 300'000));
+  if (!goal.active() || planned.kept) return;
+  Robot& robot = hub_->robots().at(id);
+  if (planned.path.status == PathStatus::none) {
+    return give_up(robot, goal, planned.path.why);
+  }
+  if (goal.command.revision >= kMaxRevisions) {
+    return give_up(robot, goal, fmt::format("{} paths were tried", kMaxRevisions));
+  }
+  goal.path_m = planned.path.points_m;
+  goal.command.map_version = planned.map_version;
+  goal.wants_plan = false;
+  send(robot, goal);
+}
+
+void Mission::give_up(Robot& robot, Goal& goal, const std::string& why) {
+  proto::Command cancel = goal.command;  // The same command, so that nothing supersedes its story.
+  cancel.kind = proto::CommandKind::stop;
+  cancel.revision = ++goal.command.revision;
+  cancel.path_points = 0;
+  hub_->command(robot, cancel, {}, std::chrono::minutes(10));
+  goal.state = "stopped";
+  goal.why = "no way any more: " + why;
+  spdlog::info("robot {}: command {} given up: {}", robot.id, goal.command.id, why);
+}
+
+void Mission::tick() {
+  if (!running_) return;
+  for (auto& [id, goal] : goals_) {
+    if (Robot* robot = hub_->find(id); robot != nullptr && goal.active()) check(*robot, goal);
+  }
+  timer_.expires_after(kTick);
+  timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+    if (!error) self->tick();
+  });
+}
+
+std::optional<api::CommandJson> Mission::describe(const std::string& robot) const {
+  const auto found = goals_.find(robot);
+  if (found == goals_.end()) return std::nullopt;
+  const Goal& goal = found->second;
+  api::CommandJson json;
+  json.id = goal.command.id;
+  json.kind = goal.command.kind == proto::CommandKind::go_to ? "goto" : "stop";
+  json.state = goal.state;
+  json.why = goal.why;
+  json.goal = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
+  json.revision = goal.command.revision;
+  json.path = to_json_points(goal.path_m);
+  return json;
+}
+
+}  // namespace cairn::server

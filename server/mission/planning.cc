@@ -1,0 +1,97 @@
+#include "server/mission/planning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace cairn::server {
+
+namespace {
+
+/// [m] Room kept around everything, so that ways around obstacles at the edge stay possible.
+constexpr double kMarginM = 3.0;
+
+struct Window {
+  std::int64_t lowest_x = std::numeric_limits<std::int64_t>::max();
+  std::int64_t lowest_y = std::numeric_limits<std::int64_t>::max();
+  std::int64_t highest_x = std::numeric_limits<std::int64_t>::min();
+  std::int64_t highest_y = std::numeric_limits<std::int64_t>::min();
+
+  void include(std::int64_t x, std::int64_t y) {
+    lowest_x = std::min(lowest_x, x);
+    lowest_y = std::min(lowest_y, y);
+    highest_x = std::max(highest_x, x);
+    highest_y = std::max(highest_y, y);
+  }
+};
+
+Window window_around(const MapSnapshot& map, const std::vector<Eigen::Vector2d>& points_m) {
+  Window window;
+  const double cell_m = map.cell_size_mm / 1000.0;
+  const auto margin = static_cast<std::int64_t>(std::ceil(kMarginM / cell_m));
+  for (const auto& [key, tile] : map.tiles) {
+    const std::int64_t x = std::int64_t{key.tx} * Tile::kSize;
+    const std::int64_t y = std::int64_t{key.ty} * Tile::kSize;
+    window.include(x, y);
+    window.include(x + Tile::kSize - 1, y + Tile::kSize - 1);
+  }
+  for (const Eigen::Vector2d& point : points_m) {
+    const auto x = static_cast<std::int64_t>(std::floor(point.x() / cell_m));
+    const auto y = static_cast<std::int64_t>(std::floor(point.y() / cell_m));
+    window.include(x - margin, y - margin);
+    window.include(x + margin, y + margin);
+  }
+  return window;
+}
+
+}  // namespace
+
+Result<DrivableGrid> drivable_grid(const MapSnapshot& map,
+                                   const std::vector<Eigen::Vector2d>& points_m,
+                                   const PlannerConfig& config, std::uint8_t min_probability) {
+  const Window window = window_around(map, points_m);
+  if (window.highest_x < window.lowest_x) {
+    return Error{ErrorCode::unavailable, "the map is empty: let a robot look around first"};
+  }
+  auto grid = empty_grid(
+      {static_cast<std::int32_t>(window.lowest_x), static_cast<std::int32_t>(window.lowest_y)},
+      {static_cast<std::int32_t>(window.highest_x), static_cast<std::int32_t>(window.highest_y)},
+      map.cell_size_mm);
+  if (!grid) return grid.error();
+  for (const auto& [key, tile] : map.tiles) {
+    if (key.level == 0) draw_tile(*grid, key, tile->unpack(), min_probability);
+  }
+  return make_drivable(std::move(*grid), config);
+}
+
+std::vector<Eigen::Vector2d> rest_of(const std::vector<Eigen::Vector2d>& path_m,
+                                     const Eigen::Vector2d& place_m) {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  std::size_t leg = 0;
+  Eigen::Vector2d foot = place_m;
+  for (std::size_t i = 0; i + 1 < path_m.size(); ++i) {
+    const Eigen::Vector2d along = path_m[i + 1] - path_m[i];
+    const double length2 = along.squaredNorm();
+    const double t =
+        length2 > 0.0 ? std::clamp((place_m - path_m[i]).dot(along) / length2, 0.0, 1.0) : 0.0;
+    const Eigen::Vector2d candidate = path_m[i] + t * along;
+    if (const double distance_m = (candidate - place_m).norm(); distance_m < nearest_m) {
+      nearest_m = distance_m;
+      leg = i;
+      foot = candidate;
+    }
+  }
+  std::vector<Eigen::Vector2d> rest{foot};
+  for (std::size_t i = leg + 1; i < path_m.size(); ++i) rest.push_back(path_m[i]);
+  return rest;
+}
+
+bool path_is_open(const DrivableGrid& grid, const std::vector<Eigen::Vector2d>& path_m) {
+  for (std::size_t i = 0; i + 1 < path_m.size(); ++i) {
+    if (!line_is_open(grid, path_m[i], path_m[i + 1])) return false;
+  }
+  return true;
+}
+
+}  // namespace cairn::server

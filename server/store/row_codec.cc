@@ -1,0 +1,282 @@
+#include "server/store/row_codec.h"
+
+#include <cassert>
+#include <cstdio>
+#include <cstdlib>
+
+#include "proto/codec/bytes.h"
+#include "proto/codec/frame.h"
+#include "proto/codec/text.h"
+
+namespace cairn::server {
+namespace {
+
+using proto::ByteReader;
+using proto::ByteWriter;
+
+constexpr int kCoordinateBits = 28;
+constexpr std::uint64_t kCoordinateMask = (std::uint64_t{1} << kCoordinateBits) - 1;
+constexpr std::int32_t kCoordinateLimit = 1 << (kCoordinateBits - 1);
+constexpr std::int32_t kMaxYaw_1e4rad = 31416;
+constexpr int kMinCellSizeMm = 10;
+constexpr int kMaxCellSizeMm = 2000;
+constexpr std::size_t kMaskBytes = kBlockCells / 8;
+
+Error refused(const std::string& what) { return {ErrorCode::invalid_argument, what}; }
+Error corrupt(const std::string& what) { return {ErrorCode::corrupt, what}; }
+
+std::int32_t coordinate(std::uint64_t bits) {
+  const auto low = static_cast<std::int32_t>(bits & kCoordinateMask);
+  return low < kCoordinateLimit ? low : low - 2 * kCoordinateLimit;
+}
+
+void put_name(ByteWriter& out, std::string_view name) {
+  out.put(static_cast<std::uint8_t>(name.size()));
+  for (const char c : name) out.put(static_cast<std::uint8_t>(c));
+}
+
+std::string get_name(ByteReader& in) {
+  const ByteSpan bytes = in.take(in.get<std::uint8_t>());
+  return {bytes.begin(), bytes.end()};
+}
+
+bool complete(const ByteReader& in) { return !in.failed() && in.left() == 0; }
+
+bool plausible(const SiteInfo& info) {
+  return proto::valid_name(info.name) && info.cell_size_mm >= kMinCellSizeMm &&
+         info.cell_size_mm <= kMaxCellSizeMm;
+}
+
+bool plausible(const SubmapRow& row) {
+  return proto::valid_name(row.robot) && row.blocks <= proto::kMaxSubmapBlocks &&
+         row.state <= SubmapState::merged &&
+         std::int64_t{std::abs(std::int64_t{row.T_site_submap.yaw_1e4rad})} <= kMaxYaw_1e4rad;
+}
+
+bool in_range(std::int64_t offset_mm) {
+  return offset_mm >= -Tile::kHeightLimitMm && offset_mm <= Tile::kHeightLimitMm;
+}
+
+bool held(const BlockDelta& state, std::size_t cell) {
+  return state.changed[cell] && state.cells[cell].known();
+}
+
+void put_mask(ByteWriter& out, const BlockDelta& state) {
+  for (std::size_t byte = 0; byte < kMaskBytes; ++byte) {
+    unsigned bits = 0;
+    for (std::size_t bit = 0; bit < 8; ++bit) bits |= held(state, byte * 8 + bit) ? 1U << bit : 0U;
+    out.put(static_cast<std::uint8_t>(bits));
+  }
+}
+
+void get_mask(ByteReader& in, BlockDelta& state) {
+  for (std::size_t byte = 0; byte < kMaskBytes; ++byte) {
+    const unsigned bits = in.get<std::uint8_t>();
+    for (std::size_t bit = 0; bit < 8; ++bit) state.changed[byte * 8 + bit] = (bits >> bit) & 1U;
+  }
+}
+
+}  // namespace
+
+bool storable(const TileKey& key) {
+  const auto fits = [](std::int32_t c) { return c >= -kCoordinateLimit && c < kCoordinateLimit; };
+  return fits(key.tx) && fits(key.ty);
+}
+
+std::int64_t pack(const TileKey& key) {
+  assert(storable(key));
+  const std::uint64_t level = static_cast<std::uint8_t>(key.level);
+  const auto bits = [](std::int32_t c) { return static_cast<std::uint32_t>(c) & kCoordinateMask; };
+  return static_cast<std::int64_t>(level << (2 * kCoordinateBits) |
+                                   bits(key.tx) << kCoordinateBits | bits(key.ty));
+}
+
+TileKey unpack_tile(std::int64_t packed) {
+  const auto bits = static_cast<std::uint64_t>(packed);
+  return {.level = static_cast<std::int8_t>(bits >> (2 * kCoordinateBits)),
+          .tx = coordinate(bits >> kCoordinateBits),
+          .ty = coordinate(bits)};
+}
+
+std::int64_t pack_part(const BlockKey& key) {
+  assert(key.block < kBlocksPerTile);
+  return static_cast<std::int64_t>(key.layer) * kBlocksPerTile + key.block;
+}
+
+Result<BlockKey> unpack_block(std::int64_t tile, std::int64_t part) {
+  if (part < 0 || part >= 2 * kBlocksPerTile) return corrupt("a block has an unknown layer");
+  return BlockKey{.layer = static_cast<EvidenceLayer>(part / kBlocksPerTile),
+                  .tile = unpack_tile(tile),
+                  .block = static_cast<std::uint8_t>(part % kBlocksPerTile)};
+}
+
+Bytes site_key() { return {'I'}; }
+
+Bytes key_of(const SubmapId& id) {
+  Bytes key{'S'};
+  ByteWriter out(key);
+  out.put(id.boot);
+  out.put(id.sequence);
+  return key;
+}
+
+Bytes key_of(const SubmapId& id, const BlockKey& block) {
+  Bytes key = key_of(id);
+  key[0] = 'B';
+  ByteWriter out(key);
+  out.put(pack(block.tile));
+  out.put(static_cast<std::uint8_t>(pack_part(block)));
+  return key;
+}
+
+Bytes key_of(const TileKey& tile) {
+  Bytes key{'T'};
+  ByteWriter(key).put(pack(tile));
+  return key;
+}
+
+Bytes key_of_note(std::string_view name) {
+  Bytes key{'N'};
+  ByteWriter out(key);
+  put_name(out, name);
+  return key;
+}
+
+std::uint32_t row_crc(ByteSpan key, ByteSpan body) {
+  Bytes content(key.begin(), key.end());
+  content.insert(content.end(), body.begin(), body.end());
+  return proto::crc32c(content);
+}
+
+Result<Bytes> encode(const SiteInfo& info) {
+  if (!plausible(info)) {
+    return refused(
+        "a site needs a name of 1 to 32 of a-z, 0-9, _ and -, and cells of 10 to 2000 mm");
+  }
+  Bytes body;
+  ByteWriter out(body);
+  put_name(out, info.name);
+  out.put(info.epoch);
+  out.put(static_cast<std::int32_t>(info.cell_size_mm));
+  out.put(info.founded_unix_s);
+  return body;
+}
+
+Result<SiteInfo> decode_site(ByteSpan body) {
+  ByteReader in(body);
+  SiteInfo info;
+  info.name = get_name(in);
+  info.epoch = in.get<std::uint64_t>();
+  info.cell_size_mm = in.get<std::int32_t>();
+  info.founded_unix_s = in.get<std::int64_t>();
+  if (!complete(in) || !plausible(info)) return corrupt("its site row breaks the format");
+  return info;
+}
+
+Result<Bytes> encode(const SubmapRow& row) {
+  if (!plausible(row)) return refused(submap_name(row.id) + " breaks a bound and was not stored");
+  Bytes body;
+  ByteWriter out(body);
+  put_name(out, row.robot);
+  out.put(row.head_version);
+  out.put(row.T_site_submap.x_mm);
+  out.put(row.T_site_submap.y_mm);
+  out.put(row.T_site_submap.z_mm);
+  out.put(row.T_site_submap.yaw_1e4rad);
+  out.put(static_cast<std::uint8_t>(row.state));
+  out.put(row.blocks);
+  out.put(row.final_versions);
+  out.put(row.merge_order);
+  return body;
+}
+
+Result<SubmapRow> decode_submap(const SubmapId& id, ByteSpan body) {
+  ByteReader in(body);
+  SubmapRow row;
+  row.id = id;
+  row.robot = get_name(in);
+  row.head_version = in.get<std::uint32_t>();
+  row.T_site_submap.x_mm = in.get<std::int32_t>();
+  row.T_site_submap.y_mm = in.get<std::int32_t>();
+  row.T_site_submap.z_mm = in.get<std::int32_t>();
+  row.T_site_submap.yaw_1e4rad = in.get<std::int32_t>();
+  row.state = static_cast<SubmapState>(in.get<std::uint8_t>());
+  row.blocks = in.get<std::uint32_t>();
+  row.final_versions = in.get<std::uint64_t>();
+  row.merge_order = in.get<std::uint64_t>();
+  if (!complete(in) || !plausible(row)) return corrupt(submap_name(id) + " breaks the format");
+  return row;
+}
+
+Result<Bytes> encode(const BlockRow& row) {
+  if (!storable(row.key.tile) || row.key.block >= kBlocksPerTile) {
+    return refused("a block of " + submap_name(row.id) + " lies outside of any map");
+  }
+  Bytes body;
+  ByteWriter out(body);
+  out.put(row.version);
+  out.put(row.state.datum_mm);
+  put_mask(out, row.state);
+  for (std::size_t i = 0; i < kBlockCells; ++i) {
+    if (!held(row.state, i)) continue;
+    const Cell& cell = row.state.cells[i];
+    const std::int64_t offset_mm = std::int64_t{cell.height_mm} - row.state.datum_mm;
+    if (!in_range(offset_mm)) {
+      return refused("a height in a block of " + submap_name(row.id) +
+                     " is too far from its datum");
+    }
+    out.put(cell.probability);
+    out.put(static_cast<std::int16_t>(offset_mm));
+  }
+  return body;
+}
+
+Result<BlockRow> decode_block(const SubmapId& id, const BlockKey& key, ByteSpan body) {
+  ByteReader in(body);
+  BlockRow row{.id = id, .key = key, .version = in.get<std::uint32_t>(), .state = {}};
+  row.state.datum_mm = in.get<std::int32_t>();
+  get_mask(in, row.state);
+  bool sound = true;
+  for (std::size_t i = 0; i < kBlockCells; ++i) {
+    if (!row.state.changed[i]) continue;
+    const auto probability = in.get<std::uint8_t>();
+    const std::int64_t offset_mm = in.get<std::int16_t>();
+    const std::int64_t height_mm = row.state.datum_mm + offset_mm;
+    sound = sound && probability != 0 && in_range(offset_mm) &&
+            height_mm == static_cast<std::int32_t>(height_mm);
+    row.state.cells[i] = {static_cast<std::int32_t>(height_mm), probability};
+  }
+  if (!complete(in) || !sound)
+    return corrupt("a block of " + submap_name(id) + " breaks the format");
+  return row;
+}
+
+Result<Bytes> encode(const TileRow& row) {
+  if (!storable(row.key)) return refused("a tile lies outside of any map");
+  Bytes body;
+  ByteWriter(body).put(row.version);
+  body.insert(body.end(), row.tile.bytes().begin(), row.tile.bytes().end());
+  return body;
+}
+
+Result<TileRow> decode_tile(const TileKey& key, ByteSpan body) {
+  ByteReader in(body);
+  const auto version = in.get<std::uint64_t>();
+  auto tile = PackedTile::from_bytes(in.take(in.left()));
+  if (!tile) return tile.error();
+  return TileRow{.key = key, .version = version, .tile = std::move(tile).value()};
+}
+
+Status check_note(std::string_view name, std::string_view value) {
+  if (!name.empty() && name.size() <= kMaxNoteNameBytes && value.size() <= kMaxNoteBytes) return {};
+  return refused("a note has a name of 1 to 64 bytes and a value of at most 64 KiB");
+}
+
+std::string submap_name(const SubmapId& id) {
+  char text[64];
+  std::snprintf(text, sizeof text, "submap %016llx/%u", static_cast<unsigned long long>(id.boot),
+                id.sequence);
+  return text;
+}
+
+}  // namespace cairn::server

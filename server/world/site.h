@@ -1,0 +1,66 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proto/json/messages.h"
+#include "server/world/world.h"
+
+namespace cairn::server {
+
+/// A world on its strand: gathers the evidence of a few milliseconds into one transaction, and
+/// publishes snapshots at a steady pace. All public functions may be called from any thread.
+class Site : public std::enable_shared_from_this<Site> {
+ public:
+  /// What became of one frame's evidence, told on the strand after the commit (or at once when it
+  /// was not accepted).
+  struct Outcome {
+    bool durable = false;
+    std::vector<proto::Refusal> refusals;
+  };
+  using Done = std::function<void(Outcome)>;
+
+  Site(const boost::asio::any_io_executor& executor, std::unique_ptr<World> world);
+
+  void submit(std::string robot, std::uint64_t boot, proto::ServerLink::Evidence evidence,
+              Done done);
+  void next_command_id(std::function<void(Result<std::uint64_t>)> reply);
+  /// Commits what is staged and publishes; for an orderly end.
+  void flush(std::function<void()> done);
+
+  [[nodiscard]] std::shared_ptr<const MapSnapshot> snapshot() const { return world_->snapshot(); }
+  [[nodiscard]] const SiteInfo& info() const { return world_->site(); }
+  void describe(std::function<void(api::SiteJson)> reply);
+
+  /// Evidence of this long shares one transaction.
+  static constexpr std::chrono::milliseconds kCommitPeriod{12};
+  static constexpr std::chrono::milliseconds kPublishPeriod{250};
+  /// After a failed commit (a full disk) the next try waits this long.
+  static constexpr std::chrono::milliseconds kRetryPeriod{1000};
+
+ private:
+  struct Waiting {
+    std::vector<proto::Refusal> refusals;
+    Done done;
+  };
+  void schedule_commit(std::chrono::milliseconds delay);
+  void schedule_publish();
+  void commit();
+
+  boost::asio::strand<boost::asio::any_io_executor> strand_;
+  std::unique_ptr<World> world_;
+  boost::asio::steady_timer commit_timer_;
+  boost::asio::steady_timer publish_timer_;
+  bool commit_scheduled_ = false;
+  bool publish_scheduled_ = false;
+  std::vector<Waiting> waiting_;  ///< Bounded by World::kMaxStagedBlocks: each has staged evidence.
+};
+
+}  // namespace cairn::server

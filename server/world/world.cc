@@ -1,0 +1,231 @@
+#include "server/world/world.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "core/map/fold.h"
+
+namespace cairn::server {
+
+namespace {
+
+constexpr const char* kLogSequence = "log_sequence";
+constexpr const char* kNextCommand = "next_command";
+
+std::uint64_t number_in(const std::map<std::string, std::string>& notes, const char* name,
+                        std::uint64_t otherwise) {
+  const auto found = notes.find(name);
+  if (found == notes.end()) return otherwise;
+  std::uint64_t value = otherwise;
+  std::from_chars(found->second.data(), found->second.data() + found->second.size(), value);
+  return value;
+}
+
+/// Table entry of a tile: key, shared pointer, node and bucket, control block and object.
+constexpr std::size_t kTileOverheadBytes =
+    sizeof(MapSnapshot::Tiles::value_type) + 2 * sizeof(void*) + sizeof(PackedTile) + 16;
+
+void count_memory(MapSnapshot& snapshot) {
+  snapshot.known_cells = 0;
+  snapshot.memory_bytes = 0;
+  for (const auto& [key, tile] : snapshot.tiles) {
+    snapshot.known_cells += static_cast<std::uint64_t>(tile->known_count());
+    snapshot.memory_bytes += tile->bytes().size() + kTileOverheadBytes;
+  }
+}
+
+}  // namespace
+
+World::World(std::unique_ptr<Store> store, const SensorModel& model)
+    : store_(std::move(store)), model_(model) {}
+
+Result<std::unique_ptr<World>> World::open(std::unique_ptr<Store> store, const SensorModel& model) {
+  std::unique_ptr<World> world(new World(std::move(store), model));
+  if (Status loaded = world->load(); !loaded) return loaded.error();
+  world->publish();
+  return world;
+}
+
+Status World::load() {
+  auto notes = store_->notes();
+  if (!notes) return notes.error();
+  log_sequence_ = number_in(*notes, kLogSequence, 0);
+  next_command_ = number_in(*notes, kNextCommand, 1);
+
+  auto tiles = store_->tiles();
+  if (!tiles) return tiles.error();
+  for (TileRow& row : *tiles) {
+    base_[row.key] = std::make_shared<const PackedTile>(std::move(row.tile));
+    dirty_tiles_.insert(row.key);
+  }
+
+  auto submaps = store_->submaps();
+  if (!submaps) return submaps.error();
+  for (const SubmapRow& row : *submaps) {
+    merge_order_ = std::max(merge_order_, row.merge_order);
+    if (row.state == SubmapState::merged) {
+      merged_.insert(row.id);
+      continue;
+    }
+    auto blocks = store_->blocks_of(row.id);
+    if (!blocks) return blocks.error();
+    const auto [entry, inserted] =
+        live_.try_emplace(row.id, row, *blocks, store_->site().cell_size_mm);
+    mark_dirty_tiles(entry->second);
+  }
+  return {};
+}
+
+LiveSubmap* World::live(const SubmapId& id, const std::string& robot) {
+  if (const auto found = live_.find(id); found != live_.end()) return &found->second;
+  if (live_.size() >= kMaxLiveSubmaps) return nullptr;
+  return &live_.try_emplace(id, id, robot, store_->site().cell_size_mm).first->second;
+}
+
+World::Staged World::stage(const std::string& robot, std::uint64_t boot,
+                           const proto::ServerLink::Evidence& evidence) {
+  if (dirty_blocks_.size() >= kMaxStagedBlocks) return {};
+  Staged staged{.accepted = true, .refusals = {}};
+  for (const proto::SubmapHead& head : evidence.heads) {
+    const SubmapId id{boot, head.sequence};
+    if (merged_.contains(id)) continue;
+    LiveSubmap* submap = live(id, robot);
+    if (submap == nullptr) return {};
+    mark_dirty_tiles(*submap);  // Where it lay,
+    if (!submap->take_head(head)) continue;
+    dirty_heads_.insert(id);
+    mark_dirty_tiles(*submap);  // and where it lies now.
+  }
+  for (const proto::BlockUpdate& update : evidence.blocks) {
+    const SubmapId id{boot, update.sequence};
+    if (merged_.contains(id)) continue;
+    LiveSubmap* submap = live(id, robot);
+    if (submap == nullptr) return {};
+    const LiveSubmap::Outcome outcome = submap->take_block(update);
+    if (outcome.verdict == proto::Verdict::refuse) {
+      staged.refusals.push_back({update.sequence, update.key, outcome.held});
+    } else if (outcome.verdict == proto::Verdict::apply) {
+      dirty_heads_.insert(
+          id);  // A block needs its submap's row, even when the head is yet to come.
+      dirty_blocks_.emplace(id, update.key);
+      mark_dirty_tiles(*submap, update.key);
+    }
+  }
+  return staged;
+}
+
+Status World::commit() {
+  Transaction transaction;
+  const std::vector<SubmapId> folded = fold_complete(transaction);
+  for (const SubmapId& id : dirty_heads_) transaction.submaps.push_back(live_.at(id).row());
+  for (const auto& [id, key] : dirty_blocks_) {
+    transaction.blocks.push_back(live_.at(id).block_row(key));
+  }
+  if (transaction.empty()) return {};
+  transaction.notes[kLogSequence] = std::to_string(log_sequence_ + 1);
+  if (Status written = store_->commit(transaction); !written) {
+    for (const SubmapId& id : folded) {  // Not merged after all; the next commit tries again.
+      live_.at(id).row().state = SubmapState::closed;
+      live_.at(id).row().merge_order = 0;
+    }
+    return written;
+  }
+  ++log_sequence_;
+  ++commits_;
+  dirty_heads_.clear();
+  dirty_blocks_.clear();
+  merge_order_ += folded.size();
+  for (TileRow& row : transaction.tiles) {
+    dirty_tiles_.insert(row.key);
+    base_[row.key] = std::make_shared<const PackedTile>(std::move(row.tile));
+  }
+  for (const SubmapId& id : folded) {
+    mark_dirty_tiles(live_.at(id));
+    live_.erase(id);
+    merged_.insert(id);
+  }
+  return {};
+}
+
+std::vector<SubmapId> World::fold_complete(Transaction& transaction) {
+  std::vector<SubmapId> folded;
+  std::map<TileKey, std::optional<Tile>> tiles;
+  std::map<TileKey, std::uint64_t> versions;
+  for (auto& [id, submap] : live_) {
+    if (!submap.complete()) continue;
+    submap.row().state = SubmapState::merged;
+    submap.row().merge_order = merge_order_ + folded.size() + 1;
+    dirty_heads_.insert(id);
+    folded.push_back(id);
+    for (const TileKey& key : submap.site_tiles()) {
+      const auto [entry, fresh] = tiles.try_emplace(key);
+      if (const auto base = base_.find(key); fresh && base != base_.end()) {
+        entry->second = base->second->unpack();
+      }
+      if (fold_into_tile(entry->second, key, submap.submap(), model_)) {
+        versions[key] = submap.row().merge_order;
+      }
+    }
+  }
+  for (const auto& [key, version] : versions) {
+    transaction.tiles.push_back({key, version, PackedTile::pack(*tiles.at(key))});
+  }
+  return folded;
+}
+
+void World::mark_dirty_tiles(const LiveSubmap& submap) {
+  dirty_tiles_.insert(submap.site_tiles().begin(), submap.site_tiles().end());
+}
+
+void World::mark_dirty_tiles(const LiveSubmap& submap, const BlockKey& key) {
+  const std::vector<TileKey> tiles = site_tiles_under(key.tile, submap.submap());
+  dirty_tiles_.insert(tiles.begin(), tiles.end());
+}
+
+std::shared_ptr<const PackedTile> World::overlaid(const TileKey& key) const {
+  const auto base = base_.find(key);
+  std::optional<Tile> tile;
+  if (base != base_.end()) tile = base->second->unpack();
+  bool changed = false;
+  for (const auto& [id, submap] : live_) {
+    if (!submap.site_tiles().contains(key)) continue;
+    changed |= fold_into_tile(tile, key, submap.submap(), model_);
+  }
+  if (!changed) return base != base_.end() ? base->second : nullptr;
+  return std::make_shared<const PackedTile>(PackedTile::pack(*tile));
+}
+
+void World::publish() {
+  if (snapshot_ && dirty_tiles_.empty()) return;
+  auto next =
+      snapshot_ ? std::make_shared<MapSnapshot>(*snapshot_) : std::make_shared<MapSnapshot>();
+  next->version = log_sequence_;
+  next->cell_size_mm = store_->site().cell_size_mm;
+  for (const TileKey& key : dirty_tiles_) {
+    std::shared_ptr<const PackedTile> tile = overlaid(key);
+    if (tile && tile->known_count() > 0) {
+      next->tiles[key] = std::move(tile);
+    } else {
+      next->tiles.erase(key);
+    }
+  }
+  dirty_tiles_.clear();
+  count_memory(*next);
+  const std::lock_guard lock(snapshot_mutex_);
+  snapshot_ = std::move(next);
+}
+
+std::shared_ptr<const MapSnapshot> World::snapshot() const {
+  const std::lock_guard lock(snapshot_mutex_);
+  return snapshot_;
+}
+
+Result<std::uint64_t> World::next_command_id() {
+  Transaction transaction;
+  transaction.notes[kNextCommand] = std::to_string(next_command_ + 1);
+  if (Status written = store_->commit(transaction); !written) return written.error();
+  return next_command_++;
+}
+
+}  // namespace cairn::server

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "core/common/result.h"
+#include "core/map/sensor_model.h"
+#include "proto/sync/server_link.h"
+#include "server/store/store.h"
+#include "server/world/live_submap.h"
+#include "server/world/snapshot.h"
+
+namespace cairn::server {
+
+/// The long-term map of one site (design §3, §6): the fold of its accepted submaps, with those
+/// still arriving laid over it. Owned by one strand; only `snapshot()` may be called from anywhere.
+///
+/// Evidence goes: stage → commit → acknowledge. Nothing is acknowledged before its transaction is
+/// durable; a commit that fails keeps what was staged and is tried again.
+class World {
+ public:
+  /// Loads what the store holds. corrupt when a row cannot be trusted.
+  static Result<std::unique_ptr<World>> open(std::unique_ptr<Store> store,
+                                             const SensorModel& model);
+
+  /// What became of one frame's evidence.
+  struct Staged {
+    bool accepted = false;  ///< False: too much is waiting for the disk; the robot will resend.
+    std::vector<proto::Refusal> refusals;
+  };
+  /// Takes the evidence of one frame from a robot's boot into memory and the next transaction.
+  Staged stage(const std::string& robot, std::uint64_t boot,
+               const proto::ServerLink::Evidence& evidence);
+
+  /// Writes everything staged, folding submaps that became complete into the long-term map in the
+  /// same transaction.
+  Status commit();
+  [[nodiscard]] bool has_staged() const { return !dirty_blocks_.empty() || !dirty_heads_.empty(); }
+
+  /// Makes the newest state visible to readers. Costs in proportion to the tiles that changed.
+  void publish();
+  [[nodiscard]] std::shared_ptr<const MapSnapshot> snapshot() const;
+
+  /// A number that has never been used in this site, durable before it is returned.
+  Result<std::uint64_t> next_command_id();
+
+  [[nodiscard]] const SiteInfo& site() const { return store_->site(); }
+  [[nodiscard]] std::uint64_t submaps() const { return live_.size() + merged_.size(); }
+  [[nodiscard]] std::uint64_t merged() const { return merged_.size(); }
+  [[nodiscard]] std::uint64_t commits() const { return commits_; }
+  /// Reads and checks the whole store.
+  Result<StoreReport> verify() { return store_->verify(); }
+
+  /// [blocks] Staged and not yet durable; beyond it evidence is not accepted.
+  static constexpr std::size_t kMaxStagedBlocks = 20'000;
+  /// [submaps] Live at once in a site; beyond it new ones are not accepted.
+  static constexpr std::size_t kMaxLiveSubmaps = 4'096;
+
+ private:
+  World(std::unique_ptr<Store> store, const SensorModel& model);
+  Status load();
+  LiveSubmap* live(const SubmapId& id, const std::string& robot);
+  void mark_dirty_tiles(const LiveSubmap& submap);
+  void mark_dirty_tiles(const LiveSubmap& submap, const BlockKey& key);
+  /// Folds complete submaps into the transaction's tiles; returns their ids.
+  std::vector<SubmapId> fold_complete(Transaction& transaction);
+  std::shared_ptr<const PackedTile> overlaid(const TileKey& key) const;
+
+  std::unique_ptr<Store> store_;
+  SensorModel model_;
+  MapSnapshot::Tiles base_;  ///< The fold of all merged submaps.
+  std::map<SubmapId, LiveSubmap> live_;
+  std::unordered_set<SubmapId, SubmapIdHash> merged_;
+  std::set<SubmapId> dirty_heads_;
+  std::set<std::pair<SubmapId, BlockKey>> dirty_blocks_;
+  std::set<TileKey> dirty_tiles_;  ///< Changed since the last publication.
+  std::uint64_t log_sequence_ = 0;
+  std::uint64_t merge_order_ = 0;
+  std::uint64_t next_command_ = 1;
+  std::uint64_t commits_ = 0;
+  mutable std::mutex snapshot_mutex_;  ///< Guards only the pointer below.
+  std::shared_ptr<const MapSnapshot> snapshot_;
+};
+
+}  // namespace cairn::server

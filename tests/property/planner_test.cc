@@ -1,0 +1,232 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/planner/plan.h"
+#include "tests/support/plain_dijkstra.h"
+
+namespace cairn {
+namespace {
+
+int below(std::mt19937& random, int limit) {
+  return static_cast<int>(random() % static_cast<unsigned>(limit));
+}
+
+/// Hills, one-way ledges, blocks and unknown patches, away from the origin.
+HeightGrid random_grid(std::mt19937& random, int relief_mm) {
+  const CellIndex low{below(random, 100) - 50, below(random, 100) - 50};
+  HeightGrid grid =
+      empty_grid(low, {low.x + below(random, 40), low.y + below(random, 40)}, 125).value();
+  const int blocks = 3 + below(random, 30);
+  for (std::size_t i = 0; i < grid.height_mm.size(); ++i) {
+    grid.probability[i] = below(random, 12) == 0 ? 0 : 200;
+    grid.height_mm[i] = below(random, relief_mm + 1);
+    if (below(random, blocks) == 0) grid.height_mm[i] += 1000;
+  }
+  return grid;
+}
+
+PlannerConfig random_config(std::mt19937& random) {
+  PlannerConfig config;
+  config.limits.climb_mm = below(random, 300);
+  config.limits.descend_mm = below(random, 300);
+  config.limits.radius_m = below(random, 3) == 0 ? 0.01 * below(random, 40) : 0.0;
+  config.unknown = below(random, 2) == 0 ? UnknownGround::allowed : UnknownGround::blocked;
+  config.unknown_price = 1 + 0.01 * below(random, 500);
+  config.climb_effort = 0.1 * below(random, 200);
+  config.descend_effort = 0.1 * below(random, 100);
+  return config;
+}
+
+CellIndex cell_of(const HeightGrid& grid, std::size_t at) {
+  const auto width = static_cast<std::size_t>(grid.width);
+  return {grid.origin.x + static_cast<std::int32_t>(at % width),
+          grid.origin.y + static_cast<std::int32_t>(at / width)};
+}
+
+CellIndex random_cell(const HeightGrid& grid, std::mt19937& random) {
+  return {grid.origin.x + below(random, grid.width), grid.origin.y + below(random, grid.height)};
+}
+
+struct Problem {
+  explicit Problem(unsigned seed, int relief_mm = 150)
+      : random(seed),
+        config(random_config(random)),
+        grid(make_drivable(random_grid(random, relief_mm), config)),
+        goal(random_cell(grid.heights, random)) {
+    grid.open[grid.heights.at(goal)] = 1;
+  }
+
+  std::mt19937 random;
+  PlannerConfig config;
+  DrivableGrid grid;
+  CellIndex goal;
+};
+
+TEST(PlannerProperty, CostsAreThoseOfPlainDijkstra) {
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem p(seed);
+    const auto field = compute_field(p.grid, p.goal, p.config);
+    ASSERT_TRUE(field);
+    ASSERT_EQ(field->cost, test::plain_dijkstra(p.grid, p.goal, p.config));
+  }
+}
+
+TEST(PlannerProperty, DirectionsKeepThePromisedCostAndLeadToTheGoal) {
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem p(seed);
+    const Field field = compute_field(p.grid, p.goal, p.config).value();
+    for (std::size_t i = 0; i < field.cost.size(); ++i) {
+      const CellIndex cell = cell_of(p.grid.heights, i);
+      if (field.cost[i] == kNoWay) {
+        ASSERT_EQ(field.direction[i], Field::kNoDirection);
+        continue;
+      }
+      if (cell == p.goal) {
+        ASSERT_EQ(field.direction[i], Field::kAtGoal);
+        continue;
+      }
+      const int d = field.direction[i];
+      const CellIndex next{cell.x + kStepX[d], cell.y + kStepY[d]};
+      ASSERT_EQ(field.cost[i],
+                step_cost(p.grid, p.config, i, d) + field.cost[p.grid.heights.at(next)]);
+      ASSERT_EQ(follow(field, cell).back(), p.goal);
+    }
+  }
+}
+
+/// Cells that can be walked to from `start` over open cells, cutting no corner.
+std::vector<bool> flood(const DrivableGrid& grid, CellIndex start) {
+  const auto open = [&](int x, int y) {
+    return grid.heights.contains({x, y}) && grid.open[grid.heights.at({x, y})] != 0;
+  };
+  std::vector<bool> reached(grid.open.size());
+  std::vector<CellIndex> waiting{start};
+  reached[grid.heights.at(start)] = true;
+  for (std::size_t i = 0; i < waiting.size(); ++i) {
+    const CellIndex c = waiting[i];
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const bool free_way =
+            open(c.x + dx, c.y + dy) && open(c.x + dx, c.y) && open(c.x, c.y + dy);
+        if (!free_way || reached[grid.heights.at({c.x + dx, c.y + dy})]) continue;
+        reached[grid.heights.at({c.x + dx, c.y + dy})] = true;
+        waiting.push_back({c.x + dx, c.y + dy});
+      }
+    }
+  }
+  return reached;
+}
+
+TEST(PlannerProperty, OnFlatMapsReachesWhatABreadthFirstSearchReaches) {
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem p(seed, 0);
+    const Field field = compute_field(p.grid, p.goal, p.config).value();
+    const std::vector<bool> reached = flood(p.grid, p.goal);
+    // The goal's own ground may be a block: then steps onto it are what the limits are about.
+    if (p.grid.classes[p.grid.heights.at(p.goal)] == CellClass::obstacle) continue;
+    for (std::size_t i = 0; i < field.cost.size(); ++i) {
+      ASSERT_EQ(field.cost[i] != kNoWay, reached[i]) << "cell " << i;
+    }
+  }
+}
+
+TEST(PlannerProperty, ClearanceIsThatOfEveryPairOfCells) {
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    PlannerConfig config;
+    config.unknown = UnknownGround::allowed;
+    config.limits.radius_m = 0.005 * below(random, 300);
+    const DrivableGrid grid = make_drivable(random_grid(random, 0), config);
+    for (std::size_t i = 0; i < grid.open.size(); ++i) {
+      const CellIndex a = cell_of(grid.heights, i);
+      bool open = grid.classes[i] != CellClass::obstacle;
+      for (std::size_t j = 0; j < grid.open.size(); ++j) {
+        if (grid.classes[j] != CellClass::obstacle) continue;
+        const CellIndex b = cell_of(grid.heights, j);
+        const std::int64_t x_mm = (a.x - b.x) * 125;
+        const std::int64_t y_mm = (a.y - b.y) * 125;
+        const std::int64_t radius_mm = std::llround(config.limits.radius_m * 1000);
+        open = open && x_mm * x_mm + y_mm * y_mm >= radius_mm * radius_mm;
+      }
+      ASSERT_EQ(grid.open[i] != 0, open) << "cell " << i;
+    }
+  }
+}
+
+/// A point anywhere in a cell, sometimes on its border.
+Eigen::Vector2d point_in(CellIndex cell, std::mt19937& random) {
+  return {0.125 * cell.x + 0.0125 * below(random, 10), 0.125 * cell.y + 0.0125 * below(random, 10)};
+}
+
+/// Walks the polyline in small steps.
+template <class Visit>
+void walk(const std::vector<Eigen::Vector2d>& points_m, Visit&& visit) {
+  for (std::size_t i = 1; i < points_m.size(); ++i) {
+    for (int k = 0; k <= 200; ++k) {
+      visit(points_m[i - 1] + (points_m[i] - points_m[i - 1]) * (k / 200.0));
+    }
+  }
+}
+
+TEST(PlannerProperty, PathsFromOpenCellsStayOpenAndKeepTheFieldsCost) {
+  int complete = 0;
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Problem p(seed);
+    const CellIndex start = random_cell(p.grid.heights, p.random);
+    if (!p.grid.open[p.grid.heights.at(start)]) continue;
+    PlanRequest request{point_in(start, p.random), point_in(p.goal, p.random)};
+    request.tolerance_m = 0.05 * below(p.random, 10);
+    const Path path = plan(p.grid, request, p.config);
+    const auto costs = test::plain_dijkstra(p.grid, p.goal, p.config);
+    const std::uint32_t cost = costs[p.grid.heights.at(start)];
+    ASSERT_EQ(path.status, cost == kNoWay ? PathStatus::none : PathStatus::complete);
+    if (path.status == PathStatus::none) continue;
+    ++complete;
+    ASSERT_NEAR(path.cost_m, cost * 1e-4, 1e-9);
+    ASSERT_EQ(path.points_m.front(), request.start_m);
+    ASSERT_EQ(path.points_m.back(), request.goal_m);
+    walk(path.points_m, [&](const Eigen::Vector2d& point) {
+      // On a border the point belongs to both cells: one of them is open.
+      const auto open_at = [&](double off) {
+        const CellIndex cell{static_cast<int>(std::floor(point.x() / 0.125 + off)),
+                             static_cast<int>(std::floor(point.y() / 0.125 + off))};
+        return p.grid.heights.contains(cell) && p.grid.open[p.grid.heights.at(cell)] != 0;
+      };
+      ASSERT_TRUE(open_at(1e-6) || open_at(-1e-6)) << point.transpose();
+    });
+  }
+  EXPECT_GT(complete, 300);
+}
+
+TEST(PlannerProperty, PartialPathsEndAtTheReachablePlaceNearestTheGoal) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Problem p(seed);
+    const CellIndex start = random_cell(p.grid.heights, p.random);
+    if (!p.grid.open[p.grid.heights.at(start)]) continue;
+    const auto middle = [](CellIndex c) -> Eigen::Vector2d {
+      return {(c.x + 0.5) * 0.125, (c.y + 0.5) * 0.125};
+    };
+    const Eigen::Vector2d goal_m = middle(random_cell(p.grid.heights, p.random));
+    const Path path = plan(p.grid, {middle(start), goal_m, true}, p.config);
+    ASSERT_NE(path.status, PathStatus::none);
+    if (path.status == PathStatus::complete) continue;
+    const double distance_m = (path.points_m.back() - goal_m).norm();
+    for (std::size_t i = 0; i < p.grid.open.size(); ++i) {
+      const CellIndex end = cell_of(p.grid.heights, i);
+      if (!p.grid.open[i] || (middle(end) - goal_m).norm() > distance_m - 1e-6) continue;
+      const auto costs = test::plain_dijkstra(p.grid, end, p.config);
+      ASSERT_EQ(costs[p.grid.heights.at(start)], kNoWay) << "cell " << i << " is nearer";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,145 @@
+#pragma once
+
+#include <random>
+#include <string>
+
+#include "proto/codec/records.h"
+
+/// Random records within their bounds, the bounds themselves often among them.
+namespace cairn::proto::testing {
+
+class RandomRecords {
+ public:
+  explicit RandomRecords(std::uint64_t seed) : random_(seed) {}
+
+  Record any() {
+    switch (between<int>(0, 12)) {
+      case 0:
+        return Hello{name(), name(), whole<std::uint64_t>(), between<std::uint16_t>(10, 2000),
+                     whole<std::uint64_t>()};
+      case 1:
+        return pose();
+      case 2:
+        return head();
+      case 3:
+        return block();
+      case 4:
+        return CommandReport{id(), whole<std::uint32_t>(), pick<CommandState>(1, 7), text()};
+      case 5:
+        return Bye{};
+      case 6:
+        return Welcome{between<std::uint32_t>(1, ~0U), id(), id()};
+      case 7:
+        return Reject{id(), pick<RejectReason>(1, 5), text()};
+      case 8:
+        return Reset{};
+      case 9:
+        return Refusal{whole<std::uint32_t>(), key(), whole<std::uint32_t>()};
+      case 10:
+        return command();
+      case 11:
+        return part();
+      default:
+        return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
+    }
+  }
+
+  BlockUpdate block() {
+    const auto base = between<std::uint32_t>(0, ~0U - 1);
+    BlockUpdate update{
+        whole<std::uint32_t>(), key(), base, between<std::uint32_t>(base + 1, ~0U), {}};
+    update.delta.datum_mm = coordinate();
+    const int density = between(1, 100);
+    for (std::size_t i = 0; i < kBlockCells; ++i) update.delta.changed[i] = percent(density);
+    update.delta.changed.set(between<std::size_t>(0, kBlockCells - 1));
+    const int spread = percent(30) ? Tile::kHeightLimitMm : 300;
+    for (Cell& cell : update.delta.cells) {
+      const int height = update.delta.datum_mm + between(-spread, spread);
+      if (!percent(10)) cell = {height, between<std::uint8_t>(1, 255)};
+    }
+    return update;
+  }
+
+  template <class T>
+  T between(T least, T most) {
+    if (percent(5)) return percent(50) ? least : most;
+    using Wide = std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>;
+    return static_cast<T>(std::uniform_int_distribution<Wide>(least, most)(random_));
+  }
+  bool percent(int p) { return std::uniform_int_distribution<int>(0, 99)(random_) < p; }
+
+ private:
+  template <class T>
+  T whole() {
+    return between(std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
+  }
+  template <class E>
+  E pick(int first, int last) {
+    return static_cast<E>(between(first, last));
+  }
+  std::uint64_t id() { return between<std::uint64_t>(1, ~0ULL); }
+  std::int32_t coordinate() { return between(-kMaxCoordinateMm, kMaxCoordinateMm); }
+  BlockKey key() {
+    const auto tile = [this] { return between(-kMaxTileCoordinate, kMaxTileCoordinate); };
+    return {pick<EvidenceLayer>(0, 1),
+            {whole<std::int8_t>(), tile(), tile()},
+            between<std::uint8_t>(0, 15)};
+  }
+  SubmapPose place() {
+    return {coordinate(), coordinate(), coordinate(), between(-kMaxYaw1e4rad, kMaxYaw1e4rad)};
+  }
+  std::string name() {
+    static constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789_-";
+    std::string out;
+    const auto length = between<std::size_t>(1, kMaxNameBytes);
+    while (out.size() < length) out += kAllowed[between<std::size_t>(0, kAllowed.size() - 1)];
+    return out;
+  }
+  std::string text() {
+    std::string out;
+    const auto length = between<std::size_t>(0, kMaxTextBytes);
+    while (out.size() + 4 <= length) out += percent(20) ? "°" : percent(10) ? "🪨" : "a";
+    return out;
+  }
+  PoseReport pose() {
+    return {whole<std::uint64_t>(), place(),
+            whole<std::int16_t>(),  whole<std::int16_t>(),
+            whole<std::uint16_t>(), whole<std::int16_t>(),
+            pick<DriveState>(0, 3), whole<std::uint64_t>(),
+            whole<std::uint32_t>(), whole<std::uint32_t>()};
+  }
+  SubmapHead head() {
+    SubmapHead head{whole<std::uint32_t>(),
+                    between<std::uint32_t>(1, ~0U),
+                    place(),
+                    percent(50),
+                    between<std::uint32_t>(0, kMaxSubmapBlocks),
+                    0};
+    if (head.closed) head.final_versions = between<std::uint64_t>(head.blocks, ~0ULL);
+    return head;
+  }
+  Command command() {
+    return {id(),
+            whole<std::uint32_t>(),
+            pick<CommandKind>(1, 2),
+            text(),
+            whole<std::uint64_t>(),
+            pick<OnLinkLoss>(0, 1),
+            whole<std::uint32_t>(),
+            whole<std::uint64_t>(),
+            coordinate(),
+            coordinate(),
+            between<std::uint16_t>(0, kMaxPathPoints)};
+  }
+  PathPart part() {
+    const auto count = between<std::size_t>(1, kMaxPartPoints);
+    PathPart part{id(), whole<std::uint32_t>(), 0, {}};
+    part.first = between<std::uint16_t>(0, static_cast<std::uint16_t>(kMaxPathPoints - count));
+    while (part.points.size() < count) part.points.push_back({coordinate(), coordinate()});
+    return part;
+  }
+
+  std::mt19937_64 random_;
+};
+
+}  // namespace cairn::proto::testing

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "proto/codec/frame.h"
+
+/// One fixed record of each kind, and equality that knows which cells of a block mean anything.
+namespace cairn::proto::testing {
+
+inline BlockUpdate sample_block() {
+  BlockUpdate update{.sequence = 7, .key = {}, .base = 3, .version = 5, .delta = {}};
+  update.key = {EvidenceLayer::seen_through, {0, -2, 5}, 11};
+  update.delta.datum_mm = -4000;
+  update.delta.changed.set(0).set(17).set(18).set(255);
+  update.delta.cells[0] = {-3990, 200};
+  update.delta.cells[17] = {0, 0};
+  update.delta.cells[18] = {-4900, 1};
+  update.delta.cells[255] = {28'000, 255};
+  return update;
+}
+
+inline PoseReport sample_pose() {
+  return {.clock_ms = 123'456,
+          .T_site_robot = {12'345, -2'000, 150, -15'708},
+          .roll_1e4rad = -100,
+          .pitch_1e4rad = 350,
+          .sigma_mm = 42,
+          .speed_mm_s = 480,
+          .drive = DriveState::driving,
+          .command = 9,
+          .to_go_mm = 17'500,
+          .backlog_blocks = 33};
+}
+
+inline Command sample_command() {
+  return {.id = 9,
+          .revision = 2,
+          .kind = CommandKind::go_to,
+          .issuer = "Ada",
+          .expires_clock_ms = 183'456,
+          .on_link_loss = OnLinkLoss::proceed,
+          .link_timeout_ms = 5'000,
+          .map_version = 77,
+          .goal_x_mm = 30'000,
+          .goal_y_mm = -8'000,
+          .path_points = 2};
+}
+
+/// Name (as in the golden files), who sends it, and the record.
+struct Sample {
+  std::string name;
+  Direction direction;
+  Record record;
+};
+
+inline std::vector<Sample> sample_records() {
+  const auto up = Direction::up;
+  const auto down = Direction::down;
+  const SubmapHead head{7, 2, {1'000, -1'000, 20, 15'708}, true, 12, 40};
+  return {
+      {"hello", up, Hello{"rover-1", "quarry", 0x1122334455667788, 125, 1'000}},
+      {"pose_report", up, sample_pose()},
+      {"submap_head", up, head},
+      {"block_update", up, sample_block()},
+      {"command_report", up, CommandReport{9, 2, CommandState::stopped, "tilt 31°"}},
+      {"bye", up, Bye{}},
+      {"welcome", down, Welcome{0xA1B2C3D4, 0x1122334455667788, 0x0102030405060708}},
+      {"reject", down, Reject{0x1122334455667788, RejectReason::unknown_site, "no such site"}},
+      {"reset", down, Reset{}},
+      {"refusal", down, Refusal{7, {EvidenceLayer::surface, {0, 1, -1}, 4}, 2}},
+      {"command", down, sample_command()},
+      {"path_part", down, PathPart{9, 2, 0, {{10'000, 0}, {30'000, -8'000}}}},
+      {"ack_up", up, Ack{300, 0x5}},
+      {"ack_down", down, Ack{41, 0x8000000000000000}},
+  };
+}
+
+inline std::vector<std::uint8_t> frame_of(const Sample& sample) {
+  FrameWriter frame({.direction = sample.direction, .session = 0x01020304, .number = 5});
+  frame.add(sample.record);
+  return std::move(frame).finish();
+}
+
+inline bool same_delta(const BlockDelta& a, const BlockDelta& b) {
+  if (a.datum_mm != b.datum_mm || a.changed != b.changed) return false;
+  for (std::size_t i = 0; i < kBlockCells; ++i) {
+    const bool both_unknown = !a.cells.at(i).known() && !b.cells.at(i).known();
+    if (a.changed[i] && !both_unknown && a.cells.at(i) != b.cells.at(i)) return false;
+  }
+  return true;
+}
+
+inline bool same(const BlockUpdate& a, const BlockUpdate& b) {
+  return a.sequence == b.sequence && a.key == b.key && a.base == b.base && a.version == b.version &&
+         same_delta(a.delta, b.delta);
+}
+template <class R>
+bool same(const R& a, const R& b) {
+  return a == b;
+}
+inline bool same(const Record& a, const Record& b) {
+  return a.index() == b.index() &&
+         std::visit([&b]<class R>(const R& r) { return same(r, std::get<R>(b)); }, a);
+}
+
+}  // namespace cairn::proto::testing

@@ -1,0 +1,107 @@
+#include "client/cli/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace cairn::cli {
+namespace {
+
+using testing::HasSubstr;
+
+template <class T>
+T command(std::vector<std::string> arguments) {
+  const auto parsed = parse_arguments(std::move(arguments));
+  if (const auto* end = std::get_if<Exit>(&parsed)) {
+    ADD_FAILURE() << end->err;
+    return {};
+  }
+  return std::get<T>(std::get<Invocation>(parsed).command);
+}
+
+Exit usage(std::vector<std::string> arguments) {
+  const auto parsed = parse_arguments(std::move(arguments));
+  return std::holds_alternative<Exit>(parsed) ? std::get<Exit>(parsed) : Exit{-1, "", ""};
+}
+
+TEST(Arguments, TakeNegativeCoordinatesAsNumbers) {
+  const auto go = command<GotoCommand>({"goto", "-3", "2.5"});
+  EXPECT_EQ(go.request.x_m, -3.0);
+  EXPECT_EQ(go.request.y_m, 2.5);
+  EXPECT_EQ(command<GotoCommand>({"goto", "1", "-.5", "--follow"}).request.y_m, -0.5);
+  EXPECT_EQ(command<PlanCommand>({"plan", "--from=-3,2", "--to", "-1,-2"}).request.from.x_m, -3.0);
+  EXPECT_EQ(command<PlanCommand>({"plan", "--from", "-3,2", "--to", "1,2"}).request.from.x_m, -3.0);
+}
+
+TEST(Arguments, FillTheGoalsRequest) {
+  const auto go = command<GotoCommand>({"goto", "1", "2", "--robot", "r2", "--unknown", "blocked",
+                                        "--on-link-loss", "continue", "--expires", "30",
+                                        "--partial"});
+  EXPECT_EQ(go.request.robot, "r2");
+  EXPECT_EQ(go.request.unknown, "blocked");
+  EXPECT_EQ(go.request.on_link_loss, "continue");
+  EXPECT_EQ(go.request.expires_s, 30.0);
+  EXPECT_TRUE(go.request.allow_partial);
+  EXPECT_FALSE(go.follow);
+}
+
+TEST(Arguments, TakeGlobalOptionsBeforeAndAfterTheCommand) {
+  for (const auto& arguments : {std::vector<std::string>{"--json", "--server", "base:99", "status"},
+                                {"status", "--json", "--server", "base:99"}}) {
+    const auto parsed = parse_arguments(arguments);
+    ASSERT_TRUE(std::holds_alternative<Invocation>(parsed));
+    EXPECT_TRUE(std::get<Invocation>(parsed).json);
+    EXPECT_EQ(std::get<Invocation>(parsed).server.host, "base");
+  }
+}
+
+TEST(Arguments, TakeTheServerFromTheEnvironment) {
+  ::setenv("CAIRN_SERVER", "base.local:8700", 1);
+  const auto parsed = parse_arguments({"status"});
+  ::unsetenv("CAIRN_SERVER");
+  EXPECT_EQ(to_string(std::get<Invocation>(parsed).server), "base.local:8700");
+}
+
+TEST(Arguments, TakeOptionsFromAFileAndRefuseUnknownKeys) {
+  const std::string file = testing::TempDir() + "cairn_options_test.toml";
+  std::ofstream(file) << "server = \"base:99\"\n[goto]\nrobot = \"r2\"\n";
+  const auto parsed = parse_arguments({"--config", file, "goto", "1", "2"});
+  ASSERT_TRUE(std::holds_alternative<Invocation>(parsed)) << std::get<Exit>(parsed).err;
+  EXPECT_EQ(std::get<Invocation>(parsed).server.host, "base");
+  EXPECT_EQ(std::get<GotoCommand>(std::get<Invocation>(parsed).command).request.robot, "r2");
+  std::ofstream(file) << "sevrer = \"base:99\"\n";
+  const auto refused = usage({"--config", file, "status"});
+  EXPECT_EQ(refused.code, kExitUsage);
+  EXPECT_THAT(refused.err, HasSubstr("sevrer"));
+}
+
+TEST(Arguments, EndWithUsageWhenTheyAreWrong) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {}, {"fly"}, {"goto", "1"}, {"goto", "x", "2"}, {"goto", "nan", "2"},
+           {"goto", "1e9", "2"}, {"goto", "1", "2", "3"}, {"goto", "1", "2", "--unknown", "maybe"},
+           {"goto", "1", "2", "--expires", "0"}, {"map"}, {"plan", "--from", "1", "--to", "2,3"},
+           {"found", "a", "--cell-mm", "5"}, {"--server", "base", "status"}, {"status", "--nope"}}) {
+    EXPECT_EQ(usage(arguments).code, kExitUsage) << testing::PrintToString(arguments);
+  }
+}
+
+TEST(Arguments, HelpOfEachCommandTeachesByExample) {
+  for (const char* name : {"status", "found", "goto", "stop", "map", "watch", "plan", "link"}) {
+    const auto help = usage({name, "--help"});
+    EXPECT_EQ(help.code, kExitOk);
+    EXPECT_THAT(help.out, HasSubstr(std::string("Examples:\n  cairn ")));
+  }
+}
+
+TEST(ServerAddress, IsAHostAndAPort) {
+  EXPECT_EQ(parse_server("[::1]:80")->host, "::1");
+  EXPECT_EQ(to_string(*parse_server("[::1]:80")), "[::1]:80");
+  for (const char* text : {"", "host", "host:", ":80", "host:0", "host:99999", "::1:80", "h:8a"}) {
+    EXPECT_FALSE(parse_server(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cairn::cli

@@ -1,0 +1,159 @@
+#include "proto/codec/record_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <ostream>
+
+#include "proto/codec/bytes.h"
+#include "tests/support/sample_records.h"
+
+namespace cairn::proto {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct Encoded {
+  std::uint8_t type;
+  Direction direction;
+  Bytes body;
+};
+
+Encoded encoded(const std::string& name) {
+  for (const auto& sample : testing::sample_records()) {
+    if (sample.name != name) continue;
+    Bytes bytes;
+    append_record(bytes, sample.record);
+    return {bytes[0], sample.direction, Bytes(bytes.begin() + kRecordHeaderBytes, bytes.end())};
+  }
+  ADD_FAILURE() << "no sample " << name;
+  return {};
+}
+
+/// A sample record with some bytes of its body replaced, and which field must be complained of.
+struct Breach {
+  std::string rule;
+  std::string record;
+  std::size_t at;
+  Bytes bytes;
+  std::string complaint;
+};
+
+void PrintTo(const Breach& breach, std::ostream* out) { *out << breach.rule; }
+
+Bytes i32(std::int32_t value) {
+  Bytes out;
+  ByteWriter(out).put(value);
+  return out;
+}
+Bytes zeros(std::size_t count) { return Bytes(count, 0); }
+
+const Bytes kTooFar = i32(kMaxCoordinateMm + 1);
+const Bytes kTooFarWest = i32(-kMaxCoordinateMm - 1);
+const Bytes kTooManyTiles = i32(kMaxTileCoordinate + 1);
+const Bytes kTooFewTiles = i32(-kMaxTileCoordinate - 1);
+
+const std::vector<Breach> kBreaches = {
+    {"RobotNameHasOnlyPlainLetters", "hello", 1, {'R'}, "hello: robot"},
+    {"RobotNameIsNotEmpty", "hello", 0, {0}, "hello: robot"},
+    {"SiteNameHasOnlyPlainLetters", "hello", 9, {'/'}, "hello: site"},
+    {"SiteNameEndsInsideTheRecord", "hello", 8, {255}, "hello: site"},
+    {"CellsAreAtLeastTenMillimetres", "hello", 23, {9, 0}, "hello: cell size"},
+    {"CellsAreAtMostTwoMetres", "hello", 23, {0xD1, 0x07}, "hello: cell size"},
+    {"PoseXIsBounded", "pose_report", 8, kTooFar, "pose report: x"},
+    {"PoseYIsBounded", "pose_report", 12, kTooFarWest, "pose report: y"},
+    {"PoseZIsBounded", "pose_report", 16, kTooFar, "pose report: z"},
+    {"PoseYawIsBounded", "pose_report", 20, i32(31417), "pose report: yaw"},
+    {"PoseYawIsBoundedBelow", "pose_report", 20, i32(-31417), "pose report: yaw"},
+    {"DriveStateIsKnown", "pose_report", 32, {4}, "pose report: drive state"},
+    {"HeadVersionsBeginAtOne", "submap_head", 4, zeros(4), "submap head: version"},
+    {"HeadXIsBounded", "submap_head", 8, kTooFar, "submap head: x"},
+    {"HeadYawIsBounded", "submap_head", 20, i32(40000), "submap head: yaw"},
+    {"ClosedIsAFlag", "submap_head", 24, {2}, "submap head: closed"},
+    {"HeadBlocksAreBounded", "submap_head", 25, i32(65537), "submap head: blocks"},
+    {"AnOpenHeadHasNoFinalVersions", "submap_head", 24, {0}, "submap head: final versions"},
+    {"EveryBlockHasAVersion", "submap_head", 29, zeros(8), "submap head: final versions"},
+    {"BlockLayerIsKnown", "block_update", 4, {2}, "block update: layer"},
+    {"BlockTileXIsBounded", "block_update", 6, kTooManyTiles, "block update: tx"},
+    {"BlockTileYIsBounded", "block_update", 10, kTooFewTiles, "block update: ty"},
+    {"BlockNumberIsBounded", "block_update", 14, {16}, "block update: block"},
+    {"BlockBaseIsBelowItsVersion", "block_update", 15, {5}, "block update: base"},
+    {"BlockDatumIsBounded", "block_update", 23, kTooFar, "block update: datum"},
+    {"BlockCellsKeepTheirRules", "block_update", 28, {18}, "block update: cells"},
+    {"ReportNamesACommand", "command_report", 0, zeros(8), "command report: command"},
+    {"ReportStateIsNotZero", "command_report", 12, {0}, "command report: state"},
+    {"ReportStateIsKnown", "command_report", 12, {8}, "command report: state"},
+    {"ReportTextHasNoControlCharacters", "command_report", 14, {'\n'}, "command report: why"},
+    {"ReportTextIsUtf8", "command_report", 14, {0xFF}, "command report: why"},
+    {"WelcomeNamesASession", "welcome", 0, zeros(4), "welcome: session"},
+    {"RejectReasonIsNotZero", "reject", 8, {0}, "reject: reason"},
+    {"RejectReasonIsKnown", "reject", 8, {6}, "reject: reason"},
+    {"RejectTextHasNoControlCharacters", "reject", 10, {0x1B}, "reject: text"},
+    {"RefusalLayerIsKnown", "refusal", 4, {9}, "refusal: layer"},
+    {"RefusalBlockIsBounded", "refusal", 14, {16}, "refusal: block"},
+    {"CommandHasAnId", "command", 0, zeros(8), "command: id"},
+    {"CommandKindIsNotZero", "command", 12, {0}, "command: kind"},
+    {"CommandKindIsKnown", "command", 12, {3}, "command: kind"},
+    {"IssuerHasNoControlCharacters", "command", 14, {0x7F}, "command: issuer"},
+    {"LinkLossChoiceIsKnown", "command", 25, {2}, "command: on link loss"},
+    {"GoalXIsBounded", "command", 38, kTooFar, "command: goal x"},
+    {"GoalYIsBounded", "command", 42, kTooFarWest, "command: goal y"},
+    {"PathIsBounded", "command", 46, {0x01, 0x02}, "command: path points"},
+    {"PartNamesACommand", "path_part", 0, zeros(8), "path part: command"},
+    {"PartHasAPoint", "path_part", 14, {0}, "path part: points"},
+    {"PartPointsAreBounded", "path_part", 14, {101}, "path part: points"},
+    {"PartEndsInsideThePath", "path_part", 12, {0xFF, 0x01}, "path part: first"},
+    {"PointXIsBounded", "path_part", 15, kTooFar, "path part: point x"},
+    {"PointYIsBounded", "path_part", 27, kTooFarWest, "path part: point y"},
+};
+
+class RecordRule : public ::testing::TestWithParam<Breach> {};
+
+TEST_P(RecordRule, IsCheckedOnReading) {
+  const Breach& breach = GetParam();
+  Encoded sample = encoded(breach.record);
+  ASSERT_TRUE(read_record(sample.type, sample.body, sample.direction));
+  ASSERT_LE(breach.at + breach.bytes.size(), sample.body.size());
+  std::ranges::copy(breach.bytes, sample.body.begin() + static_cast<std::ptrdiff_t>(breach.at));
+  const auto record = read_record(sample.type, sample.body, sample.direction);
+  ASSERT_FALSE(record);
+  EXPECT_NE(record.error().message.find(breach.complaint + " "), std::string::npos)
+      << record.error().message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, RecordRule, ::testing::ValuesIn(kBreaches),
+                         [](const auto& test) { return test.param.rule; });
+
+TEST(RecordCodec, EveryRecordIsRefusedFromTheWrongEnd) {
+  for (const auto& sample : testing::sample_records()) {
+    const Encoded good = encoded(sample.name);
+    const auto other = good.direction == Direction::up ? Direction::down : Direction::up;
+    const bool both_ways = std::holds_alternative<Ack>(sample.record);
+    EXPECT_EQ(read_record(good.type, good.body, other).has_value(), both_ways) << sample.name;
+  }
+}
+
+TEST(RecordCodec, EveryRecordIsRefusedWithAByteMoreOrLess) {
+  for (const auto& sample : testing::sample_records()) {
+    Encoded good = encoded(sample.name);
+    good.body.push_back(0);
+    EXPECT_FALSE(read_record(good.type, good.body, good.direction)) << sample.name;
+    good.body.pop_back();
+    if (good.body.empty()) continue;
+    good.body.pop_back();
+    EXPECT_FALSE(read_record(good.type, good.body, good.direction)) << sample.name;
+  }
+}
+
+TEST(RecordCodec, UnknownTypesAreRefused) {
+  const std::vector<unsigned> known = {1, 2, 3, 4, 5, 6, 17, 18, 19, 20, 21, 22, 32};
+  for (unsigned type = 0; type < 256; ++type) {
+    if (std::ranges::find(known, type) != known.end()) continue;
+    for (const Direction direction : {Direction::up, Direction::down}) {
+      EXPECT_FALSE(read_record(static_cast<std::uint8_t>(type), {}, direction)) << type;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cairn::proto

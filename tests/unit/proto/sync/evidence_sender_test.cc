@@ -1,0 +1,206 @@
+#include "proto/sync/evidence_sender.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace cairn::proto {
+namespace {
+
+class EvidenceSenderTest : public ::testing::Test {
+ protected:
+  void see(CellIndex cell, int height_mm = 100) {
+    ASSERT_TRUE(sender.open_submap()->surface.set(cell, {height_mm, 200}));
+    sender.touch(EvidenceLayer::surface, {cell});
+  }
+  std::vector<Record> fill(std::uint32_t number) {
+    FrameWriter writer({Direction::up, 1, number});
+    const int added = sender.fill(writer, number);
+    auto frame = decode_frame(std::move(writer).finish(), Direction::up);
+    EXPECT_EQ(frame->records.size(), static_cast<std::size_t>(added));
+    return std::move(frame->records);
+  }
+  /// The first (and only) block of a frame.
+  static BlockUpdate block(const std::vector<Record>& records) {
+    for (const auto& record : records) {
+      if (const auto* update = std::get_if<BlockUpdate>(&record)) return *update;
+    }
+    ADD_FAILURE() << "no block";
+    return {};
+  }
+  static int heads(const std::vector<Record>& records) {
+    return static_cast<int>(std::ranges::count_if(
+        records, [](const auto& r) { return std::holds_alternative<SubmapHead>(r); }));
+  }
+
+  EvidenceSender sender;
+};
+
+TEST_F(EvidenceSenderTest, ANewSubmapIsItsHeadThenItsBlocks) {
+  sender.begin(7, {1, 2, 3, 4}, 125);
+  EXPECT_TRUE(sender.has_news());
+  see({0, 0});
+  see({20, 0});
+  const auto records = fill(1);
+  ASSERT_EQ(records.size(), 3U);
+  EXPECT_EQ(std::get<SubmapHead>(records[0]), (SubmapHead{1, 1, {1, 2, 3, 4}, false, 0, 0}));
+  EXPECT_EQ(std::get<BlockUpdate>(records[1]).key.block, 0);
+  EXPECT_EQ(std::get<BlockUpdate>(records[2]).key.block, 1);
+  EXPECT_FALSE(sender.has_news());
+  EXPECT_EQ(sender.backlog_blocks(), 2U);
+  EXPECT_FALSE(sender.synchronised());
+  sender.on_acked(1);
+  EXPECT_TRUE(sender.synchronised());
+  EXPECT_EQ(sender.backlog_blocks(), 0U);
+}
+
+TEST_F(EvidenceSenderTest, IntermediateStatesAreSkipped) {
+  sender.begin(7, {}, 125);
+  for (int height = 1; height <= 50; ++height) see({3, 3}, height);
+  const auto update = block(fill(1));
+  EXPECT_EQ(update.base, 0U);
+  EXPECT_EQ(update.version, 50U);
+  EXPECT_EQ(update.delta.changed.count(), 1U);
+  EXPECT_EQ(update.delta.cells.at(3 * 16 + 3).height_mm, 50);
+}
+
+TEST_F(EvidenceSenderTest, OnlyWhatChangedSinceTheAcknowledgedVersionTravels) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  (void)fill(1);
+  sender.on_acked(1);
+  see({1, 0});
+  const auto update = block(fill(2));
+  EXPECT_EQ(update.base, 1U);
+  EXPECT_EQ(update.version, 2U);
+  EXPECT_FALSE(update.delta.changed[0]);
+  EXPECT_TRUE(update.delta.changed[1]);
+}
+
+TEST_F(EvidenceSenderTest, ABlockUnderWayWaitsForItsFate) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  (void)fill(1);
+  see({1, 0});
+  EXPECT_FALSE(sender.has_news());
+  sender.on_lost(1);
+  const auto update = block(fill(2));
+  EXPECT_EQ(update.base, 0U);
+  EXPECT_EQ(update.version, 2U) << "what is sent again is the newest";
+}
+
+TEST_F(EvidenceSenderTest, ALateAcknowledgementOfALostFrameCounts) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  (void)fill(1);
+  sender.on_lost(1);
+  sender.on_acked(1);
+  EXPECT_TRUE(sender.synchronised());
+  EXPECT_TRUE(fill(2).empty());
+}
+
+TEST_F(EvidenceSenderTest, BlocksCarryTheirHeadUntilItIsKnown) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  EXPECT_EQ(heads(fill(1)), 1);
+  see({40, 0});
+  EXPECT_EQ(heads(fill(2)), 1);
+  sender.on_acked(2);
+  see({60, 60});
+  EXPECT_EQ(heads(fill(3)), 0);
+}
+
+TEST_F(EvidenceSenderTest, TheOldestSubmapGoesFirst) {
+  sender.begin(7, {}, 125);
+  for (int i = 0; i < 64 * 40; ++i) see({i % 64, i / 64}, i * 7919 % 3000);
+  sender.close();
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  std::uint32_t last = 1;
+  for (std::uint32_t number = 1; sender.has_news(); ++number) {
+    for (const auto& record : fill(number)) {
+      const auto* update = std::get_if<BlockUpdate>(&record);
+      if (update == nullptr) continue;
+      EXPECT_GE(update->sequence, last);
+      last = update->sequence;
+    }
+  }
+  EXPECT_EQ(last, 2U);
+}
+
+TEST_F(EvidenceSenderTest, TheLeastRecentlySentBlockGoesFirst) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  (void)fill(1);
+  sender.on_acked(1);
+  see({0, 0}, 5);
+  see({20, 0});
+  const auto records = fill(2);
+  ASSERT_EQ(records.size(), 2U);
+  EXPECT_EQ(std::get<BlockUpdate>(records[0]).key.block, 1);
+}
+
+TEST_F(EvidenceSenderTest, AClosedSubmapTellsItsSumsAndIsForgottenWhenHeld) {
+  Submap& submap = sender.begin(7, {}, 125);
+  see({0, 0});
+  see({0, 0}, 7);
+  ASSERT_TRUE(submap.seen_through.set({0, 0}, {-50, 9}));
+  sender.touch(EvidenceLayer::seen_through, {{0, 0}});
+  sender.close();
+  EXPECT_EQ(sender.open_submap(), nullptr);
+  const auto records = fill(1);
+  EXPECT_EQ(std::get<SubmapHead>(records.at(0)), (SubmapHead{1, 2, {}, true, 2, 3}));
+  EXPECT_EQ(sender.submaps(), 1U);
+  sender.on_acked(1);
+  EXPECT_EQ(sender.submaps(), 0U);
+  EXPECT_EQ(sender.begin(7, {}, 125).id.sequence, 2U);
+}
+
+TEST_F(EvidenceSenderTest, ARefusalSendsFromWhatIsHeld) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  (void)fill(1);
+  sender.on_acked(1);
+  see({1, 0});
+  const auto key = block(fill(2)).key;
+  sender.on_refused({1, key, 0});
+  const auto update = block(fill(3));
+  EXPECT_EQ(update.base, 0U);
+  EXPECT_EQ(update.delta.changed.count(), 2U);
+}
+
+TEST_F(EvidenceSenderTest, ARefusalCannotStandForAnAcknowledgement) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  const auto key = block(fill(1)).key;
+  sender.on_refused({1, key, 1});
+  sender.on_refused({9, key, 0});
+  sender.on_lost(1);
+  EXPECT_EQ(block(fill(2)).version, 1U);
+}
+
+TEST_F(EvidenceSenderTest, ANewSessionSendsAgainWhatWasUnderWayAndAnotherStoreEverything) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  (void)fill(1);
+  sender.on_acked(1);
+  see({40, 0});
+  (void)fill(2);
+  sender.on_session(false);
+  EXPECT_EQ(fill(1).size(), 1U);
+  sender.on_session(true);
+  EXPECT_EQ(fill(1).size(), 3U);
+}
+
+TEST_F(EvidenceSenderTest, AtItsBoundTheOldestClosedSubmapIsDroppedAndCounted) {
+  for (std::size_t i = 0; i <= EvidenceSender::kMaxSubmaps; ++i) {
+    sender.begin(7, {}, 125);
+    sender.close();
+  }
+  EXPECT_EQ(sender.submaps(), EvidenceSender::kMaxSubmaps);
+  EXPECT_EQ(sender.dropped_submaps(), 1U);
+  EXPECT_EQ(std::get<SubmapHead>(fill(1).at(0)).sequence, 2U);
+}
+
+}  // namespace
+}  // namespace cairn::proto

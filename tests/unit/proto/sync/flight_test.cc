@@ -1,0 +1,118 @@
+#include "proto/sync/flight.h"
+
+#include <gtest/gtest.h>
+
+namespace cairn::proto {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Numbers = std::vector<std::uint32_t>;
+
+class FlightTest : public ::testing::Test {
+ protected:
+  void send(int frames, MonotonicTime now = {}) {
+    for (int i = 0; i < frames; ++i) {
+      const std::uint32_t number = flight.next_number(out_of_reach);
+      flight.sent(number, true, now);
+    }
+  }
+  Flight flight{48};
+  Numbers out_of_reach;
+};
+
+TEST_F(FlightTest, NumbersCountUpFromOne) {
+  EXPECT_EQ(flight.next_number(out_of_reach), 1U);
+  EXPECT_EQ(flight.next_number(out_of_reach), 2U);
+}
+
+TEST_F(FlightTest, AnAcknowledgedFrameIsNewsOnce) {
+  send(3);
+  EXPECT_EQ(flight.on_ack({2, 0}, milliseconds(100)).acked, (Numbers{1, 2}));
+  EXPECT_TRUE(flight.on_ack({2, 0}, milliseconds(100)).acked.empty());
+  EXPECT_EQ(*flight.round_trip().smoothed(), milliseconds(100));
+}
+
+TEST_F(FlightTest, AFrameIsLostWhenThreeNewerOnesWereAcknowledged) {
+  send(5);
+  EXPECT_TRUE(flight.on_ack({0, 0b11}, milliseconds(50)).lost.empty());     // 2, 3
+  EXPECT_EQ(flight.on_ack({0, 0b111}, milliseconds(60)).lost, Numbers{1});  // 4
+  EXPECT_TRUE(flight.on_ack({0, 0b1111}, milliseconds(70)).lost.empty());
+}
+
+TEST_F(FlightTest, AFrameJudgedLostTooEarlyIsStillAcknowledged) {
+  send(4);
+  EXPECT_EQ(flight.on_ack({0, 0b111}, milliseconds(60)).lost, Numbers{1});
+  EXPECT_EQ(flight.on_ack({4, 0}, milliseconds(90)).acked, Numbers{1});
+}
+
+TEST_F(FlightTest, SilenceLosesFramesWithGrowingPatience) {
+  send(1);
+  EXPECT_EQ(*flight.due(), seconds(1));
+  EXPECT_TRUE(flight.on_time(milliseconds(999)).empty());
+  EXPECT_EQ(flight.on_time(seconds(1)), Numbers{1});
+  EXPECT_FALSE(flight.due());
+  send(1, seconds(1));
+  EXPECT_EQ(*flight.due(), seconds(3));
+  EXPECT_EQ(flight.on_time(seconds(3)), Numbers{2});
+  for (int i = 0; i < 20; ++i) {
+    send(1, seconds(1000 * i));
+    EXPECT_LE(*flight.due() - seconds(1000 * i), RoundTrip::kMaxTimeout);
+    EXPECT_FALSE(flight.on_time(seconds(1000 * i + 31)).empty());
+  }
+}
+
+TEST_F(FlightTest, AnAcknowledgementRestoresPatience) {
+  send(1);
+  (void)flight.on_time(seconds(1));
+  EXPECT_EQ(flight.patience(), seconds(2));
+  send(1, seconds(1));
+  (void)flight.on_ack({2, 0}, seconds(1) + milliseconds(100));
+  EXPECT_LT(flight.patience(), seconds(1));
+}
+
+TEST_F(FlightTest, TheWindowGrowsWithAcknowledgementsAndHalvesOnSilence) {
+  send(Flight::kFirstWindow);
+  EXPECT_FALSE(flight.evidence_may_go());
+  (void)flight.on_ack({8, 0}, milliseconds(10));
+  send(15);
+  EXPECT_TRUE(flight.evidence_may_go());
+  send(1);
+  EXPECT_FALSE(flight.evidence_may_go());
+  (void)flight.on_time(seconds(10));  // 16 → 8
+  send(7, seconds(10));
+  EXPECT_TRUE(flight.evidence_may_go());
+  send(1, seconds(10));
+  EXPECT_FALSE(flight.evidence_may_go());
+}
+
+TEST_F(FlightTest, EvidenceWaitsBeforeItsOldestFrameComesOutOfReach) {
+  send(1);
+  while (flight.evidence_may_go()) {
+    const std::uint32_t number = flight.next_number(out_of_reach);
+    ASSERT_LE(number, Flight::kReach);
+  }
+  EXPECT_TRUE(out_of_reach.empty());
+}
+
+TEST_F(FlightTest, AFrameOutOfReachIsGivenUpAndItsAcknowledgementNotBelieved) {
+  send(1);
+  for (std::uint32_t i = 0; i < Flight::kReach; ++i) (void)flight.next_number(out_of_reach);
+  EXPECT_EQ(out_of_reach, Numbers{1});
+  EXPECT_TRUE(flight.on_ack({Flight::kReach, 0}, milliseconds(10)).acked.empty());
+}
+
+TEST_F(FlightTest, AcknowledgementsOfNumbersNeverSentAreIgnored) {
+  send(2);
+  EXPECT_TRUE(flight.on_ack({3, 0}, milliseconds(10)).acked.empty());
+}
+
+TEST_F(FlightTest, ANewSessionBeginsAfresh) {
+  send(8);
+  flight.reset();
+  EXPECT_TRUE(flight.evidence_may_go());
+  EXPECT_EQ(flight.next_number(out_of_reach), 1U);
+}
+
+}  // namespace
+}  // namespace cairn::proto

@@ -1,0 +1,264 @@
+#include "proto/sync/robot_link.h"
+
+#include <gtest/gtest.h>
+
+namespace cairn::proto {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr std::uint64_t kBoot = 77;
+
+class RobotLinkTest : public ::testing::Test {
+ protected:
+  static std::vector<std::uint8_t> down(std::uint32_t session, std::uint32_t number,
+                                        const std::vector<Record>& records) {
+    FrameWriter writer({Direction::down, session, number});
+    for (const auto& record : records) EXPECT_TRUE(writer.add(record));
+    return std::move(writer).finish();
+  }
+  std::optional<Frame> next() {
+    const auto bytes = link.next_frame(now);
+    if (!bytes) return std::nullopt;
+    auto frame = decode_frame(*bytes, Direction::up);
+    EXPECT_TRUE(frame);
+    return *std::move(frame);
+  }
+  template <class R>
+  static const R* find(const std::optional<Frame>& frame) {
+    if (!frame) return nullptr;
+    for (const auto& record : frame->records) {
+      if (const auto* r = std::get_if<R>(&record)) return r;
+    }
+    return nullptr;
+  }
+  void welcome(std::uint32_t session = 5, std::uint64_t epoch = 1) {
+    ASSERT_NE(find<Hello>(next()), nullptr);
+    link.on_frame(down(session, 1, {Welcome{session, kBoot, epoch}}), now);
+    ASSERT_TRUE(link.connected());
+  }
+  void see() {
+    auto& evidence = link.evidence();
+    if (evidence.open_submap() == nullptr) evidence.begin(kBoot, {}, 125);
+    ASSERT_TRUE(evidence.open_submap()->surface.set({++seen_, 0}, {5, 200}));
+    evidence.touch(EvidenceLayer::surface, {{seen_, 0}});
+  }
+  static Command stop(std::uint64_t id) {
+    Command c;
+    c.id = id;
+    return c;
+  }
+
+  RobotLink link{{.robot = "rover", .site = "quarry", .boot = kBoot}, 28};
+  MonotonicTime now = seconds(10);
+  int seen_ = 0;
+};
+
+TEST_F(RobotLinkTest, SaysHelloEverLessOftenUntilItIsWelcomed) {
+  for (const int wait_ms : {300, 600, 1200, 2400, 4800, 5000, 5000}) {
+    const auto frame = next();
+    ASSERT_NE(find<Hello>(frame), nullptr);
+    EXPECT_EQ(frame->header.session, 0U);
+    EXPECT_EQ(find<Hello>(frame)->clock_ms, static_cast<std::uint64_t>(now / milliseconds(1)));
+    EXPECT_EQ(link.next_due(now), now + milliseconds(wait_ms));
+    EXPECT_FALSE(next());
+    now = link.next_due(now);
+  }
+}
+
+TEST_F(RobotLinkTest, AWelcomeForAnotherBootIsNotOurs) {
+  (void)next();
+  link.on_frame(down(5, 1, {Welcome{5, kBoot + 1, 1}}), now);
+  EXPECT_FALSE(link.connected());
+  EXPECT_FALSE(link.silence(now));
+}
+
+TEST_F(RobotLinkTest, FramesOfASessionCountFromOne) {
+  welcome();
+  see();
+  const auto frame = next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->header, (FrameHeader{Direction::up, 5, 1}));
+}
+
+TEST_F(RobotLinkTest, APoseIsSentAtItsPeriodAndNeverTwice) {
+  welcome();
+  link.set_pose({});
+  EXPECT_NE(find<PoseReport>(next()), nullptr);
+  EXPECT_FALSE(next());
+  link.set_pose({});
+  EXPECT_FALSE(next());
+  EXPECT_EQ(link.next_due(now), now + milliseconds(500));
+  now += milliseconds(500);
+  EXPECT_NE(find<PoseReport>(next()), nullptr);
+  now += seconds(2);
+  EXPECT_FALSE(next()) << "an old pose is no news";
+}
+
+TEST_F(RobotLinkTest, ReportsComeBeforePoseBeforeEvidence) {
+  welcome();
+  see();
+  link.set_pose({});
+  link.report({3, 0, CommandState::accepted, ""});
+  const auto frame = next();
+  ASSERT_EQ(frame->records.size(), 4U);
+  EXPECT_TRUE(std::holds_alternative<CommandReport>(frame->records[0]));
+  EXPECT_TRUE(std::holds_alternative<PoseReport>(frame->records[1]));
+  EXPECT_TRUE(std::holds_alternative<SubmapHead>(frame->records[2]));
+}
+
+TEST_F(RobotLinkTest, AReportGoesOutThoughTheEvidenceWindowIsFull) {
+  welcome();
+  for (int i = 0; i < 3000; ++i) see();
+  while (next()) {
+  }
+  ASSERT_TRUE(link.evidence().has_news());
+  link.report({3, 0, CommandState::stopped, "tilt"});
+  const auto frame = next();
+  ASSERT_NE(find<CommandReport>(frame), nullptr);
+  EXPECT_EQ(frame->records.size(), 1U);
+}
+
+TEST_F(RobotLinkTest, LostEvidenceIsSentAgainAndCounted) {
+  welcome();
+  see();
+  ASSERT_NE(find<BlockUpdate>(next()), nullptr);
+  EXPECT_FALSE(next());
+  now = link.next_due(now);
+  ASSERT_NE(find<BlockUpdate>(next()), nullptr);
+  EXPECT_EQ(link.counters().frames_lost, 1U);
+  link.on_frame(down(5, 2, {Ack{2, 0}}), now);
+  EXPECT_TRUE(link.evidence().synchronised());
+}
+
+TEST_F(RobotLinkTest, ACommandIsAcknowledgedSoonAndHandedOutOnce) {
+  welcome();
+  EXPECT_EQ(link.on_frame(down(5, 2, {stop(1)}), now).size(), 1U);
+  EXPECT_FALSE(next());
+  EXPECT_EQ(link.next_due(now), now + RobotLink::kAckDelay);
+  now = link.next_due(now);
+  const auto frame = next();
+  ASSERT_NE(find<Ack>(frame), nullptr);
+  EXPECT_EQ(find<Ack>(frame)->cumulative, 2U);
+  EXPECT_TRUE(link.on_frame(down(5, 2, {stop(1)}), now).empty());
+  EXPECT_TRUE(link.on_frame(down(5, 3, {stop(1)}), now).empty());
+}
+
+TEST_F(RobotLinkTest, FramesWithAcksAloneAreNotAnswered) {
+  welcome();
+  for (std::uint32_t n = 2; n < 50; ++n) link.on_frame(down(5, n, {Ack{0, 0}}), now);
+  now += seconds(100);
+  EXPECT_FALSE(next());
+}
+
+TEST_F(RobotLinkTest, AnOlderCommandIsAnsweredWithSupersededUnlessItsFateWasTold) {
+  welcome();
+  link.on_frame(down(5, 2, {stop(2)}), now);
+  link.report({2, 0, CommandState::arrived, ""});
+  link.on_frame(down(5, 3, {stop(3)}), now);
+  link.on_frame(down(5, 4, {stop(1)}), now);
+  (void)next();
+  link.on_frame(down(5, 5, {stop(2), Ack{1, 0}}), now);
+  link.on_frame(down(5, 6, {stop(2)}), now);
+  const auto frame = next();
+  ASSERT_NE(find<CommandReport>(frame), nullptr);
+  EXPECT_EQ(find<CommandReport>(frame)->state, CommandState::arrived);
+}
+
+TEST_F(RobotLinkTest, AResetMakesItSayHelloAndSendWhatWasUnderWay) {
+  welcome(5);
+  see();
+  ASSERT_NE(find<BlockUpdate>(next()), nullptr);
+  link.on_frame(down(4, 9, {Reset{}}), now);
+  EXPECT_TRUE(link.connected()) << "that was another session";
+  link.on_frame(down(5, 9, {Reset{}}), now);
+  EXPECT_FALSE(link.connected());
+  welcome(6);
+  const auto frame = next();
+  EXPECT_EQ(frame->header.number, 1U);
+  EXPECT_NE(find<BlockUpdate>(frame), nullptr);
+}
+
+TEST_F(RobotLinkTest, ALateWelcomeDoesNotReviveASessionThatWasLeft) {
+  welcome(5);
+  link.on_frame(down(5, 9, {Reset{}}), now);
+  (void)next();
+  link.on_frame(down(5, 1, {Welcome{5, kBoot, 1}}), now);
+  EXPECT_FALSE(link.connected());
+}
+
+TEST_F(RobotLinkTest, SilenceWhileSomethingIsUnansweredLeadsToAHelloThatResumesTheSession) {
+  welcome(5);
+  see();
+  for (const auto start = now; now < start + RobotLink::kSilence; now = link.next_due(now)) {
+    const auto frame = next();
+    EXPECT_EQ(find<Hello>(frame), nullptr);
+  }
+  const auto last_number = link.counters().frames_sent - 1;
+  EXPECT_NE(find<Hello>(next()), nullptr);
+  link.on_frame(down(5, 2, {Welcome{5, kBoot, 1}}), now);
+  const auto frame = next();
+  ASSERT_NE(find<BlockUpdate>(frame), nullptr);
+  EXPECT_EQ(frame->header.number, last_number + 1) << "numbers of a session are used once";
+}
+
+TEST_F(RobotLinkTest, AnotherStoreIsSentEverythingAgain) {
+  welcome(5, 1);
+  see();
+  (void)next();
+  link.on_frame(down(5, 2, {Ack{1, 0}}), now);
+  EXPECT_TRUE(link.evidence().synchronised());
+  link.on_frame(down(5, 3, {Reset{}}), now);
+  welcome(6, 2);
+  EXPECT_FALSE(link.evidence().synchronised());
+}
+
+TEST_F(RobotLinkTest, ARobotIdInUseIsRetriedForAWhileThenFinal) {
+  const auto reject = down(0, 0, {Reject{kBoot, RejectReason::robot_id_in_use, ""}});
+  const auto start = now;
+  while (!link.rejected()) {
+    ASSERT_LE(now, start + seconds(20));
+    (void)next();
+    link.on_frame(reject, now);
+    now = link.next_due(now);
+  }
+  EXPECT_GE(now, start + seconds(12));
+  EXPECT_EQ(link.rejected()->code, ErrorCode::conflict);
+  EXPECT_NE(link.rejected()->message.find("'rover'"), std::string::npos);
+  EXPECT_FALSE(next());
+}
+
+TEST_F(RobotLinkTest, OtherRejectionsAreFinalAndSayWhatToDo) {
+  (void)next();
+  link.on_frame(down(0, 0, {Reject{kBoot + 1, RejectReason::unknown_site, ""}}), now);
+  EXPECT_FALSE(link.rejected()) << "that answered another boot";
+  link.on_frame(down(0, 0, {Reject{kBoot, RejectReason::unknown_site, "try pit"}}), now);
+  ASSERT_TRUE(link.rejected());
+  EXPECT_EQ(link.rejected()->code, ErrorCode::not_found);
+  EXPECT_NE(link.rejected()->message.find("try pit"), std::string::npos);
+}
+
+TEST_F(RobotLinkTest, MalformedFramesAreCountedAndBringNothing) {
+  welcome();
+  EXPECT_TRUE(link.on_frame(std::vector<std::uint8_t>{1, 2, 3}, now).empty());
+  EXPECT_EQ(link.counters().frames_malformed, 1U);
+}
+
+TEST_F(RobotLinkTest, BytesAreCountedWithTheCarriersOverhead) {
+  const auto bytes = link.next_frame(now);
+  EXPECT_EQ(link.counters().bytes_sent, bytes->size() + 28);
+  const auto answer = down(5, 1, {Welcome{5, kBoot, 1}});
+  link.on_frame(answer, now);
+  EXPECT_EQ(link.counters().bytes_received, answer.size() + 28);
+}
+
+TEST_F(RobotLinkTest, GoodbyeNeedsASession) {
+  EXPECT_FALSE(link.goodbye());
+  welcome();
+  const auto frame = decode_frame(*link.goodbye(), Direction::up);
+  EXPECT_TRUE(std::holds_alternative<Bye>(frame->records.at(0)));
+}
+
+}  // namespace
+}  // namespace cairn::proto
