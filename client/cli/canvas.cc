@@ -74,8 +74,7 @@ void Canvas::text(const std::string& text, cv::Point2d at, double size, const cv
     return (pixels / kTextOversampling + 1) * kTextOversampling;
   };
   cv::Mat1b large(whole(2 * box.height + 2 * border), whole(box.width + 2 * border), uchar{0});
-  cv::putText(large, text, {border, rise}, type.font, type.scale, 255, type.thickness,
-              cv::LINE_AA);
+  cv::putText(large, text, {border, rise}, type.font, type.scale, 255, type.thickness, cv::LINE_AA);
   cv::Mat1b mask;
   cv::resize(large, mask, large.size() / kTextOversampling, 0, 0, cv::INTER_AREA);
   blend(image_, mask,

@@ -33,6 +33,8 @@ class Connection::Socket {
   Status write(const std::string& text);
   /// False when Ctrl-C was pressed.
   Result<bool> read();
+  /// Statuses come every second: shorter patience would end on a healthy server.
+  void expect_events() { timeout_ = std::max(timeout_, std::chrono::milliseconds(5000)); }
   void catch_interrupt();
   void close();
 
@@ -108,7 +110,8 @@ Status Connection::Socket::connect() {
   });
   if (end != End::done || fault) return nobody();
   beast::get_lowest_layer(socket_).expires_never();
-  end = run(fault, [&](auto then) { socket_.async_handshake(to_string(server_), "/api/v1/ws", then); });
+  end = run(fault,
+            [&](auto then) { socket_.async_handshake(to_string(server_), "/api/v1/ws", then); });
   if (end != End::done) return late();
   if (fault) {
     return Error{ErrorCode::unavailable,
@@ -204,6 +207,7 @@ Result<SiteMap> Connection::map(const std::optional<std::string>& site) {
 }
 
 Result<std::optional<api::StatusReply>> Connection::next_status() {
+  socket_->expect_events();
   while (true) {
     const auto read = socket_->read();
     if (!read) return read.error();

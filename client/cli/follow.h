@@ -12,8 +12,8 @@ namespace cairn::cli {
 class Follow {
  public:
   struct Step {
-    std::string line;          ///< For people, whatever happened.
-    std::optional<int> exit;   ///< The end: kExitOk only when arrived.
+    std::string line;         ///< For people, whatever happened.
+    std::optional<int> exit;  ///< The end: kExitOk only when arrived.
   };
 
   /// A robot that waits this long for a new path, and gets none, is blocked for good.

@@ -97,8 +97,10 @@ std::string bytes_text(double bytes) {
     bytes /= 1000.0;
     ++unit;
   }
-  return printed(bytes < 9.995 ? "%.2f %s" : bytes < 99.95 ? "%.1f %s" : "%.0f %s", bytes,
-                 kUnits[unit]);
+  return printed(bytes < 9.995   ? "%.2f %s"
+                 : bytes < 99.95 ? "%.1f %s"
+                                 : "%.0f %s",
+                 bytes, kUnits[unit]);
 }
 
 std::string place_text(double x_m, double y_m) { return printed("(%.2f, %.2f)", x_m, y_m); }
@@ -148,14 +150,14 @@ std::string link_text(const api::StatusReply& before, const api::StatusReply& af
     const auto& link = robot.link;
     const auto* earlier = find_robot(before, robot.id);
     const auto& from = earlier != nullptr ? earlier->link : link;
-    rows.push_back(
-        {robot.id, link.connected ? "up" : "LOST", bytes_text(static_cast<double>(link.bytes_up)),
-         printed("%.2f kbit/s", rate(from.bytes_up, link.bytes_up, seconds) * 8e-3),
-         bytes_text(static_cast<double>(link.bytes_down)),
-         printed("%.2f kbit/s", rate(from.bytes_down, link.bytes_down, seconds) * 8e-3),
-         count_text(link.frames_lost) + " frames", count_text(link.frames_malformed),
-         printed("%.0f ms", link.round_trip_s * 1e3), age_text(link.silence_s),
-         count_text(link.backlog_blocks) + " blocks"});
+    rows.push_back({robot.id, link.connected ? "up" : "LOST",
+                    bytes_text(static_cast<double>(link.bytes_up)),
+                    printed("%.2f kbit/s", rate(from.bytes_up, link.bytes_up, seconds) * 8e-3),
+                    bytes_text(static_cast<double>(link.bytes_down)),
+                    printed("%.2f kbit/s", rate(from.bytes_down, link.bytes_down, seconds) * 8e-3),
+                    count_text(link.frames_lost) + " frames", count_text(link.frames_malformed),
+                    printed("%.0f ms", link.round_trip_s * 1e3), age_text(link.silence_s),
+                    count_text(link.backlog_blocks) + " blocks"});
   }
   return table_text(rows);
 }
@@ -171,8 +173,9 @@ std::string command_text(const api::CommandReply& reply, const std::string& what
 std::string plan_text(const api::PlanReply& reply) {
   if (reply.status == "none") return "no way: " + reply.why + '\n';
   std::string text =
-      printed("%s: %.1f m of way, effort of %.1f m level driving, planned in %.0f ms on map version ",
-              reply.status.c_str(), reply.length_m, reply.cost_m, reply.seconds * 1e3) +
+      printed(
+          "%s: %.1f m of way, effort of %.1f m level driving, planned in %.0f ms on map version ",
+          reply.status.c_str(), reply.length_m, reply.cost_m, reply.seconds * 1e3) +
       std::to_string(reply.map_version) + '\n';
   if (!reply.why.empty()) text += reply.why + '\n';
   for (const auto& point : reply.path) text += "  " + place_text(point.x_m, point.y_m) + '\n';

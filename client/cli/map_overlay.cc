@@ -16,8 +16,8 @@ std::vector<cv::Point2d> in_panel(const PictureLayout& layout,
 }
 
 bool under_way(const api::CommandJson& command) {
-  return command.kind == "goto" && (command.state == "sent" || command.state == "accepted" ||
-                                    command.state == "blocked");
+  return command.kind == "goto" &&
+         (command.state == "sent" || command.state == "accepted" || command.state == "blocked");
 }
 
 /// The name on a light plate beside the robot, inside the panel.

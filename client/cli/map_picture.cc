@@ -47,7 +47,8 @@ Status write_png(const cv::Mat3b& picture, const std::string& file) {
     return Error{ErrorCode::exhausted, "cannot encode the picture: " + fault.err};
   }
   std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
   if (!out.flush()) {
     return Error{ErrorCode::io, "cannot write " + file + ": check the folder and its free space"};
   }

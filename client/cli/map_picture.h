@@ -13,8 +13,8 @@
 namespace cairn::cli {
 
 struct PictureOptions {
-  int scale = 0;                      ///< Pixels per cell; 0: so that the picture fits a screen.
-  std::vector<api::PointJson> path;   ///< Drawn besides those of the robots' commands.
+  int scale = 0;                     ///< Pixels per cell; 0: so that the picture fits a screen.
+  std::vector<api::PointJson> path;  ///< Drawn besides those of the robots' commands.
   std::optional<api::PointJson> goal;
 };
 

@@ -23,8 +23,8 @@ CellIndex first_cell(const TileKey& key) { return {key.tx * Tile::kSize, key.ty 
 /// A tile with the cells around it, which decide about obstacles at its edge.
 HeightGrid with_surroundings(const TileTable& tiles, const TileKey& key, int cell_size_mm) {
   const auto first = first_cell(key);
-  auto grid = empty_grid({first.x - 1, first.y - 1},
-                         {first.x + Tile::kSize, first.y + Tile::kSize}, cell_size_mm)
+  auto grid = empty_grid({first.x - 1, first.y - 1}, {first.x + Tile::kSize, first.y + Tile::kSize},
+                         cell_size_mm)
                   .value();
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {

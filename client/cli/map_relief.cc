@@ -29,10 +29,8 @@ float rise(const MapRaster& raster, int column, int row, int dc, int dr) {
 
 /// Brightness of a pixel: 1 on level ground.
 float shade(const MapRaster& raster, int column, int row, float exaggeration) {
-  const float east =
-      rise(raster, column, row, 1, 0) - rise(raster, column, row, -1, 0);
-  const float north =
-      rise(raster, column, row, 0, -1) - rise(raster, column, row, 0, 1);
+  const float east = rise(raster, column, row, 1, 0) - rise(raster, column, row, -1, 0);
+  const float north = rise(raster, column, row, 0, -1) - rise(raster, column, row, 0, 1);
   const float slope_x = std::clamp(east * exaggeration, -1.5F, 1.5F);
   const float slope_y = std::clamp(north * exaggeration, -1.5F, 1.5F);
   // Light from the north-west, 45° above the horizon: (-½, ½, √½) · normal.
@@ -60,8 +58,19 @@ float exaggeration_for(const MapRaster& raster) {
 
 cv::Vec3b scaled(const cv::Vec3b& colour, float factor) {
   cv::Vec3b result;
-  for (int i = 0; i < 3; ++i) result[i] = cv::saturate_cast<uchar>(static_cast<float>(colour[i]) * factor);
+  for (int i = 0; i < 3; ++i)
+    result[i] = cv::saturate_cast<uchar>(static_cast<float>(colour[i]) * factor);
   return result;
+}
+
+/// Where many cells share a pixel a wall would be a hairline: there it is drawn two pixels wide.
+bool is_obstacle(const MapRaster& raster, int column, int row) {
+  if (raster.classes[raster.at(column, row)] == CellClass::obstacle) return true;
+  if (raster.cells_per_pixel == 1 || !raster.known(column, row)) return false;
+  const auto obstacle_at = [&](int c, int r) {
+    return raster.known(c, r) && raster.classes[raster.at(c, r)] == CellClass::obstacle;
+  };
+  return obstacle_at(column - 1, row) || obstacle_at(column, row - 1);
 }
 
 cv::Vec3b unknown_at(int column, int row) {
@@ -77,7 +86,8 @@ HeightRange tint_range(const MapRaster& raster) {
   }
   if (heights.empty()) return {-1.0F, 1.0F};
   const auto percentile = [&heights](std::size_t percent) {
-    const auto nth = heights.begin() + static_cast<std::ptrdiff_t>((heights.size() - 1) * percent / 100);
+    const auto nth =
+        heights.begin() + static_cast<std::ptrdiff_t>((heights.size() - 1) * percent / 100);
     std::ranges::nth_element(heights, nth);
     return *nth;
   };
@@ -115,7 +125,7 @@ cv::Mat3b draw_relief(const MapRaster& raster, const HeightRange& range, int sca
         line[column] = unknown_at(column, row);
       } else if (column % scale != 0) {
         line[column] = line[column - 1];
-      } else if (raster.classes[i] == CellClass::obstacle) {
+      } else if (is_obstacle(raster, c, r)) {
         line[column] = kObstacleColour;
       } else {
         line[column] = scaled(tint(raster.height_m[i], range), shade(raster, c, r, exaggeration));

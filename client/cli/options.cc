@@ -19,8 +19,7 @@ bool read_whole(std::string_view text, T& value) {
 
 bool read_coordinate(std::string_view text, double& value) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  return read_whole(text, value) && std::isfinite(value) &&
-         std::abs(value) <= api::kMaxCoordinateM;
+  return read_whole(text, value) && std::isfinite(value) && std::abs(value) <= api::kMaxCoordinateM;
 }
 
 /// CLI11 validators answer with the fault's text, empty when there is none.
@@ -69,7 +68,8 @@ void add_unknown(CLI::App& sub, std::string& unknown) {
 template <class T>
 void add_optional(CLI::App& sub, const std::string& name, std::optional<T>& value,
                   const std::string& what) {
-  sub.add_option_function<T>(name, [&value](const T& given) { value = given; }, what);
+  sub.add_option_function<T>(
+      name, [&value](const T& given) { value = given; }, what);
 }
 
 void add_goto(CLI::App& app, Typed& typed) {
@@ -88,9 +88,9 @@ void add_goto(CLI::App& app, Typed& typed) {
   sub->add_option("--expires", request.expires_s, "The robot stops after this [s]")
       ->check(CLI::Range(1.0, 86400.0))
       ->capture_default_str();
-  sub->add_flag("--partial", request.allow_partial,
-                "Go as near as possible when there is no way");
-  sub->add_flag("--follow", typed.go_to.follow, "Show progress until the robot is there or gives up");
+  sub->add_flag("--partial", request.allow_partial, "Go as near as possible when there is no way");
+  sub->add_flag("--follow", typed.go_to.follow,
+                "Show progress until the robot is there or gives up");
 }
 
 void add_plan(CLI::App& app, Typed& typed) {
@@ -118,7 +118,8 @@ void add_subcommands(CLI::App& app, Typed& typed) {
       ->check(CLI::Range(10, 2000))
       ->capture_default_str();
   add_goto(app, typed);
-  auto* stop = add(app, "stop", "Stop a robot where it is", "  cairn stop\n  cairn stop --robot r2");
+  auto* stop =
+      add(app, "stop", "Stop a robot where it is", "  cairn stop\n  cairn stop --robot r2");
   add_optional(*stop, "--robot", typed.stop.request.robot,
                "Which robot (may be left out when there is one)");
   auto* map = add(app, "map", "Draw a site's map",

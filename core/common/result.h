@@ -37,9 +37,9 @@ class [[nodiscard]] Result {
   explicit operator bool() const { return has_value(); }
 
   /// Requires: has_value().
-  T& value() & { return assert(has_value()), *std::get_if<0>(&state_); }
-  const T& value() const& { return assert(has_value()), *std::get_if<0>(&state_); }
-  T&& value() && { return assert(has_value()), std::move(*std::get_if<0>(&state_)); }
+  T& value() & { return assert(has_value()), std::get<0>(state_); }
+  const T& value() const& { return assert(has_value()), std::get<0>(state_); }
+  T&& value() && { return assert(has_value()), std::get<0>(std::move(state_)); }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T&& operator*() && { return std::move(*this).value(); }
@@ -47,7 +47,7 @@ class [[nodiscard]] Result {
   const T* operator->() const { return &value(); }
 
   /// Requires: !has_value().
-  [[nodiscard]] const Error& error() const { return assert(!has_value()), *std::get_if<1>(&state_); }
+  [[nodiscard]] const Error& error() const { return assert(!has_value()), std::get<1>(state_); }
 
  private:
   std::variant<T, Error> state_;

@@ -70,6 +70,7 @@ std::vector<CellIndex> entrances(const DrivableGrid& grid, const Eigen::Vector2d
   }
   std::sort(by_distance.begin(), by_distance.end());
   std::vector<CellIndex> cells;
+  cells.reserve(by_distance.size());
   for (const auto& [distance_m, y, x] : by_distance) cells.push_back({x, y});
   return cells;
 }

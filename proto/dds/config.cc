@@ -18,11 +18,10 @@ std::string interfaces(const DdsConfig& config) {
 }
 
 std::string general(const DdsConfig& config) {
-  return element("General", element("Interfaces", interfaces(config)) +
-                                element("AllowMulticast", "false") +
-                                element("MaxMessageSize", "1400B") +
-                                element("MaxRexmitMessageSize", "1400B") +
-                                element("FragmentSize", "1300B"));
+  return element("General",
+                 element("Interfaces", interfaces(config)) + element("AllowMulticast", "false") +
+                     element("MaxMessageSize", "1400B") + element("MaxRexmitMessageSize", "1400B") +
+                     element("FragmentSize", "1300B"));
 }
 
 // The server is met at a known port; robots take any, so that many run on one machine.

@@ -124,7 +124,8 @@ std::optional<RequestFault> parse_request(std::string_view text, Request& reques
   }
   const auto id = id_in(*json);
   if (!id) return RequestFault{id, invalid("id: expected a whole number from 0 to 4294967295")};
-  if (const auto key = key_outside(*json, std::array<std::string_view, 3>{"id", "method", "params"})) {
+  if (const auto key =
+          key_outside(*json, std::array<std::string_view, 3>{"id", "method", "params"})) {
     return RequestFault{
         id, invalid("unknown key \"" + *key + "\": expected \"id\", \"method\", \"params\"")};
   }
@@ -171,8 +172,7 @@ Result<Answer> parse_answer(std::string_view text) {
     const auto& error = (*json)["error"];
     const auto text_of = [&error](const char* key) {
       const auto found = error.find(key);
-      return found != error.end() && found->is_string() ? found->get<std::string>()
-                                                        : std::string();
+      return found != error.end() && found->is_string() ? found->get<std::string>() : std::string();
     };
     answer.error = Error{code_of(text_of("code")), text_of("message")};
   } else {

@@ -49,8 +49,8 @@ struct RequestFault {
 /// could not read one) or an event.
 struct Answer {
   std::optional<std::uint32_t> id;
-  std::string event;      ///< Not empty: an event with `body` as data.
-  nlohmann::json body;    ///< Result or data.
+  std::string event;    ///< Not empty: an event with `body` as data.
+  nlohmann::json body;  ///< Result or data.
   std::optional<Error> error;
 };
 [[nodiscard]] Result<Answer> parse_answer(std::string_view text);

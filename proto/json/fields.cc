@@ -16,8 +16,8 @@ bool is_name(const std::string& text) {
 
 std::string shown(double number) {
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), number,
-                                 std::chars_format::general, 12);
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::general, 12);
   return {text.data(), end.ptr};
 }
 

@@ -86,8 +86,8 @@ class FieldReader {
             const Rule& rule);
 
   template <std::integral T>
-    requires(!std::same_as<T, bool>)
-  void read(const nlohmann::json& json, const std::string& path, T& value, const Rule& rule) {
+  requires(!std::same_as<T, bool>) void read(const nlohmann::json& json, const std::string& path,
+                                             T& value, const Rule& rule) {
     const double lowest = std::max(rule.lowest, static_cast<double>(std::numeric_limits<T>::min()));
     const double highest =
         std::min(rule.highest, static_cast<double>(std::numeric_limits<T>::max()));
@@ -108,7 +108,7 @@ class FieldReader {
   }
 
   template <class T>
-    requires std::is_class_v<T>
+  requires std::is_class_v<T>
   void read(const nlohmann::json& json, const std::string& path, T& message, const Rule& /*rule*/) {
     FieldReader reader(json, path + ".", fault_);
     describe(reader, message);

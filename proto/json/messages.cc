@@ -36,14 +36,14 @@ Rule list_of(std::size_t max_size) { return Rule{.max_size = max_size}; }
 // One description per message: a visitor reads or writes it. `M` is the message, const or not.
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, PointJson>
+requires std::same_as<std::remove_const_t<M>, PointJson>
 void describe(V& v, M& m) {
   v.required("x_m", m.x_m, kCoordinate);
   v.required("y_m", m.y_m, kCoordinate);
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, LinkJson>
+requires std::same_as<std::remove_const_t<M>, LinkJson>
 void describe(V& v, M& m) {
   v.required("connected", m.connected);
   v.required("silence_s", m.silence_s, kNotNegative);
@@ -56,7 +56,7 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, CommandJson>
+requires std::same_as<std::remove_const_t<M>, CommandJson>
 void describe(V& v, M& m) {
   v.required("id", m.id, kCount);
   v.required("kind", m.kind, one_of(kKinds));
@@ -69,7 +69,7 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, RobotJson>
+requires std::same_as<std::remove_const_t<M>, RobotJson>
 void describe(V& v, M& m) {
   v.required("id", m.id, kName);
   v.required("site", m.site, kName);
@@ -88,7 +88,7 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, SiteJson>
+requires std::same_as<std::remove_const_t<M>, SiteJson>
 void describe(V& v, M& m) {
   v.required("name", m.name, kName);
   v.required("cell_size_mm", m.cell_size_mm, kCellSize);
@@ -102,7 +102,7 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, StatusReply>
+requires std::same_as<std::remove_const_t<M>, StatusReply>
 void describe(V& v, M& m) {
   v.required("version", m.version, kText);
   v.required("uptime_s", m.uptime_s, kNotNegative);
@@ -111,14 +111,14 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, FoundRequest>
+requires std::same_as<std::remove_const_t<M>, FoundRequest>
 void describe(V& v, M& m) {
   v.required("site", m.site, kName);
   v.defaulted("cell_size_mm", m.cell_size_mm, kCellSize);
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, GotoRequest>
+requires std::same_as<std::remove_const_t<M>, GotoRequest>
 void describe(V& v, M& m) {
   v.optional("robot", m.robot, kName);
   v.required("x_m", m.x_m, kCoordinate);
@@ -130,13 +130,11 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, StopRequest>
-void describe(V& v, M& m) {
-  v.optional("robot", m.robot, kName);
-}
+requires std::same_as<std::remove_const_t<M>, StopRequest>
+void describe(V& v, M& m) { v.optional("robot", m.robot, kName); }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, CommandReply>
+requires std::same_as<std::remove_const_t<M>, CommandReply>
 void describe(V& v, M& m) {
   v.required("command", m.command, kCount);
   v.required("robot", m.robot, kName);
@@ -148,7 +146,7 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, PlanRequestJson>
+requires std::same_as<std::remove_const_t<M>, PlanRequestJson>
 void describe(V& v, M& m) {
   v.optional("site", m.site, kName);
   v.required("from", m.from);
@@ -158,7 +156,7 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, PlanReply>
+requires std::same_as<std::remove_const_t<M>, PlanReply>
 void describe(V& v, M& m) {
   v.required("status", m.status, one_of(kPathStatuses));
   v.required("why", m.why, kText);
@@ -170,24 +168,22 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, MapRequest>
-void describe(V& v, M& m) {
-  v.optional("site", m.site, kName);
-}
+requires std::same_as<std::remove_const_t<M>, MapRequest>
+void describe(V& v, M& m) { v.optional("site", m.site, kName); }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, WatchRequest>
+requires std::same_as<std::remove_const_t<M>, WatchRequest>
 void describe(V& v, M& m) {
   v.defaulted("period_ms", m.period_ms,
               Rule{.lowest = kMinWatchPeriodMs, .highest = kMaxWatchPeriodMs});
 }
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, Empty>
+requires std::same_as<std::remove_const_t<M>, Empty>
 void describe(V& /*v*/, M& /*m*/) {}
 
 template <class V, class M>
-  requires std::same_as<std::remove_const_t<M>, MapReply>
+requires std::same_as<std::remove_const_t<M>, MapReply>
 void describe(V& v, M& m) {
   v.required("site", m.site, kName);
   v.required("cell_size_mm", m.cell_size_mm, kCellSize);
@@ -216,7 +212,7 @@ static void write(nlohmann::json& json, const T& message) {
   describe(writer, message);
 }
 
-#define CAIRN_MESSAGE(T)                                                        \
+#define CAIRN_MESSAGE(T)                                                         \
   void to_json(nlohmann::json& json, const T& message) { write(json, message); } \
   template Result<T> from_json<T>(const nlohmann::json& json);
 

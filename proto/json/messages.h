@@ -74,9 +74,9 @@ struct SiteJson {
   std::uint64_t tiles = 0;
   std::uint64_t known_cells = 0;
   std::uint64_t memory_bytes = 0;
-  std::uint64_t submaps = 0;          ///< Evidence submaps held, all robots.
+  std::uint64_t submaps = 0;  ///< Evidence submaps held, all robots.
   std::uint64_t submaps_merged = 0;
-  std::uint64_t commits = 0;          ///< Store transactions since the server started.
+  std::uint64_t commits = 0;  ///< Store transactions since the server started.
 };
 
 struct StatusReply {
@@ -95,9 +95,9 @@ struct GotoRequest {
   std::optional<std::string> robot;  ///< May be left out when there is one.
   double x_m = 0.0;
   double y_m = 0.0;
-  std::string unknown = "allowed";      ///< "blocked", "allowed"
-  std::string on_link_loss = "stop";    ///< "stop", "continue"
-  double expires_s = 600.0;             ///< [Limit: 1 … 86400]
+  std::string unknown = "allowed";    ///< "blocked", "allowed"
+  std::string on_link_loss = "stop";  ///< "stop", "continue"
+  double expires_s = 600.0;           ///< [Limit: 1 … 86400]
   bool allow_partial = false;
 };
 
@@ -150,7 +150,7 @@ struct MapReply {
   int cell_size_mm = 0;
   std::uint64_t map_version = 0;
   std::uint64_t tiles = 0;
-  std::int32_t climb_mm = 0;    ///< Limits that the server plans with.
+  std::int32_t climb_mm = 0;  ///< Limits that the server plans with.
   std::int32_t descend_mm = 0;
   std::vector<RobotJson> robots;
   /// Where each robot of `robots` was while the server watched, newest last, bounded.
@@ -175,10 +175,11 @@ void to_json(nlohmann::json& json, const WatchRequest& message);
 void to_json(nlohmann::json& json, const Empty& message);
 void to_json(nlohmann::json& json, const MapReply& message);
 
-/// The message that `json` holds, for each struct above: `auto request = from_json<GotoRequest>(j)`.
-/// Strict: an unknown or missing key, a wrong type and a value out of its limits give
-/// invalid_argument with the key's path and what is expected there ("from.x_m: expected a number
-/// from -100000 to 100000"). Keys of requests that have a default may be left out.
+/// The message that `json` holds, for each struct above: `auto request =
+/// from_json<GotoRequest>(j)`. Strict: an unknown or missing key, a wrong type and a value out of
+/// its limits give invalid_argument with the key's path and what is expected there ("from.x_m:
+/// expected a number from -100000 to 100000"). Keys of requests that have a default may be left
+/// out.
 template <class T>
 [[nodiscard]] Result<T> from_json(const nlohmann::json& json);
 

@@ -53,11 +53,11 @@ Result<double> cell_size(const std::string& path, const std::optional<std::strin
                  "cell size \"" + *option +
                      "\" must be metres from 0.005 to 100, as in dem:" + path + "@0.25"};
   }
-  static const std::regex kPart("(?:^|[^0-9.])([0-9]+(?:\\.[0-9]+)?)(cm|m)(?![a-z])");
+  static const std::regex part("(?:^|[^0-9.])([0-9]+(?:\\.[0-9]+)?)(cm|m)(?![a-z])");
   const std::string stem = std::filesystem::path(path).stem().string();
   // "10cmDEM" ends its unit with a capital.
   std::smatch match;
-  if (std::regex_search(stem, match, kPart)) {
+  if (std::regex_search(stem, match, part)) {
     const double size = std::stod(match[1]) * (match[2] == "cm" ? 0.01 : 1.0);
     if (size >= kLeastCellM && size <= kLargestCellM) {
       return size;

@@ -19,7 +19,10 @@ using net::ip::tcp;
 class ApiServer::Listener : public std::enable_shared_from_this<Listener> {
  public:
   Listener(net::io_context& io, Service& service)
-      : io_(io), service_(service), acceptor_(net::make_strand(io)), pause_(acceptor_.get_executor()) {}
+      : io_(io),
+        service_(service),
+        acceptor_(net::make_strand(io)),
+        pause_(acceptor_.get_executor()) {}
 
   Status listen(const ApiConfig& config);
   void accept();

@@ -30,9 +30,9 @@ void with(const nlohmann::json& json, JsonReply reply, Ask ask) {
 bool call_method(Service& service, const std::string& method, const nlohmann::json& params,
                  JsonReply reply) {
   if (method == "status") {
-    with<api::Empty, api::StatusReply>(
-        params, std::move(reply),
-        [&](const auto&, auto answer) { service.status(std::move(answer)); });
+    with<api::Empty, api::StatusReply>(params, std::move(reply), [&](const auto&, auto answer) {
+      service.status(std::move(answer));
+    });
   } else if (method == "found") {
     with<api::FoundRequest, api::SiteJson>(
         params, std::move(reply),

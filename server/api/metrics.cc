@@ -113,8 +113,8 @@ std::string metrics_text(const api::StatusReply& status, const ApiCounts& counts
   page.single("cairn_uptime_seconds", "gauge", "Since the server started.", status.uptime_s);
   page.single("cairn_api_connections", "gauge", "Open API connections.",
               number(counts.connections));
-  page.single("cairn_api_connections_refused_total", "counter",
-              "API connections beyond the bound.", number(counts.refused));
+  page.single("cairn_api_connections_refused_total", "counter", "API connections beyond the bound.",
+              number(counts.refused));
   for (const auto& series : site_series()) {
     page.family(series.name, series.type, series.help);
     for (const auto& site : status.sites) {

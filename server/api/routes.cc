@@ -114,9 +114,9 @@ void respond(Service& service, const Connections& connections, const std::string
     return service.map(tile->site, [key = tile->key, reply = std::move(reply)](
                                        Result<Service::Map> map) { reply(tile_answer(map, key)); });
   }
-  reply(not_found(
-      "no such page: try /healthz, /metrics, /api/v1/status, "
-      "/api/v1/sites/NAME/tiles/LEVEL/TX/TY or the WebSocket /api/v1/ws"));
+  reply(
+      not_found("no such page: try /healthz, /metrics, /api/v1/status, "
+                "/api/v1/sites/NAME/tiles/LEVEL/TX/TY or the WebSocket /api/v1/ws"));
 }
 
 }  // namespace cairn::server

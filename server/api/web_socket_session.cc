@@ -175,9 +175,9 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   // ---- writing ----
 
   void finish(std::optional<std::uint32_t> id, Result<nlohmann::json> result) {
-    outbox_.answer(result ? api::result_text(id.value_or(0), *result)
-                          : api::error_text(id, result.error()),
-                   true);
+    outbox_.answer(
+        result ? api::result_text(id.value_or(0), *result) : api::error_text(id, result.error()),
+        true);
     write();
   }
 

@@ -12,9 +12,8 @@ namespace cairn::server {
 
 /// Answers the upgrade `request` and serves the WebSocket until it ends. The stream's executor is a
 /// strand; the session owns itself and its `place`.
-void run_web_socket_session(
-    boost::beast::tcp_stream stream,
-    boost::beast::http::request<boost::beast::http::empty_body> request, Service& service,
-    std::unique_ptr<Connections::Place> place);
+void run_web_socket_session(boost::beast::tcp_stream stream,
+                            boost::beast::http::request<boost::beast::http::empty_body> request,
+                            Service& service, std::unique_ptr<Connections::Place> place);
 
 }  // namespace cairn::server

@@ -1,7 +1,5 @@
 #include "tests/support/cairn_programs.h"
 
-#include <cstdlib>
-
 namespace cairn::test {
 
 namespace {
@@ -22,12 +20,6 @@ std::vector<std::string> server_arguments(const TempFolder& folder,
 constexpr const char* kReadyLine = "operators: http://";
 
 }  // namespace
-
-std::filesystem::path data_folder() {
-  const char* named = std::getenv("CAIRN_DATA");
-  if (named != nullptr && std::filesystem::is_directory(named)) return named;
-  return {};
-}
 
 std::string server_program() { return CAIRN_SERVER; }
 std::string agent_program() { return CAIRN_AGENT; }

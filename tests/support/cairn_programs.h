@@ -9,10 +9,6 @@
 
 namespace cairn::test {
 
-/// Where the logs of the programs under test are, e.g. ../shared/data; empty when they are not
-/// here.
-[[nodiscard]] std::filesystem::path data_folder();
-
 /// A running cairn-server on loopback, in a DDS domain of this process, on a free API port.
 class ServerProcess {
  public:

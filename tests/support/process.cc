@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -111,8 +112,21 @@ Finished run(const std::vector<std::string>& argv, std::chrono::milliseconds tim
 }
 
 unsigned own_dds_domain() {
-  // Domains up to 100 keep their ports below those that the system hands out by itself.
-  return 1 + static_cast<unsigned>(getpid()) % 100;
+  static const unsigned domain = [] {
+    // Domains up to 100 keep their ports below those that the system hands out by itself. The lock
+    // is held as long as this process lives.
+    const unsigned first = static_cast<unsigned>(getpid());
+    for (unsigned i = 0; i < 100; ++i) {
+      const unsigned candidate = 1 + (first + i) % 100;
+      const std::filesystem::path lock = std::filesystem::temp_directory_path() /
+                                         ("cairn-test-domain-" + std::to_string(candidate));
+      const int file = open(lock.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
+      if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0) return candidate;
+      if (file >= 0) close(file);
+    }
+    return 1U;
+  }();
+  return domain;
 }
 
 void pause_briefly() { poll(nullptr, 0, 5); }

@@ -66,7 +66,8 @@ Finished run(const std::vector<std::string>& argv,
 template <class Condition>
 bool eventually(Condition&& condition, std::chrono::milliseconds timeout);
 
-/// A DDS domain for this process, so that tests that run side by side do not meet.
+/// A DDS domain for this process alone, so that tests that run side by side do not meet. Its ports
+/// and those of the domain 100 above it are nobody else's.
 unsigned own_dds_domain();
 
 void pause_briefly();

@@ -17,7 +17,8 @@ SiteMap square(double side_m, int cell_size_mm = 125) {
   const auto wall = map.cell_at(2.0, 0.0).x;
   for (std::int32_t y = -half; y < half; ++y) {
     for (std::int32_t x = -half; x < half; ++x) {
-      const bool hole = std::abs(map.centre_m(x) + 2.0) < 0.6 && std::abs(map.centre_m(y) + 2.0) < 0.6;
+      const bool hole =
+          std::abs(map.centre_m(x) + 2.0) < 0.6 && std::abs(map.centre_m(y) + 2.0) < 0.6;
       if (!hole) map.set({x, y}, {x == wall ? 1000 : 0, 200});
     }
   }

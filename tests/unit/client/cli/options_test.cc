@@ -36,9 +36,9 @@ TEST(Arguments, TakeNegativeCoordinatesAsNumbers) {
 }
 
 TEST(Arguments, FillTheGoalsRequest) {
-  const auto go = command<GotoCommand>({"goto", "1", "2", "--robot", "r2", "--unknown", "blocked",
-                                        "--on-link-loss", "continue", "--expires", "30",
-                                        "--partial"});
+  const auto go =
+      command<GotoCommand>({"goto", "1", "2", "--robot", "r2", "--unknown", "blocked",
+                            "--on-link-loss", "continue", "--expires", "30", "--partial"});
   EXPECT_EQ(go.request.robot, "r2");
   EXPECT_EQ(go.request.unknown, "blocked");
   EXPECT_EQ(go.request.on_link_loss, "continue");
@@ -78,11 +78,21 @@ TEST(Arguments, TakeOptionsFromAFileAndRefuseUnknownKeys) {
 }
 
 TEST(Arguments, EndWithUsageWhenTheyAreWrong) {
-  for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {}, {"fly"}, {"goto", "1"}, {"goto", "x", "2"}, {"goto", "nan", "2"},
-           {"goto", "1e9", "2"}, {"goto", "1", "2", "3"}, {"goto", "1", "2", "--unknown", "maybe"},
-           {"goto", "1", "2", "--expires", "0"}, {"map"}, {"plan", "--from", "1", "--to", "2,3"},
-           {"found", "a", "--cell-mm", "5"}, {"--server", "base", "status"}, {"status", "--nope"}}) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"fly"},
+                                             {"goto", "1"},
+                                             {"goto", "x", "2"},
+                                             {"goto", "nan", "2"},
+                                             {"goto", "1e9", "2"},
+                                             {"goto", "1", "2", "3"},
+                                             {"goto", "1", "2", "--unknown", "maybe"},
+                                             {"goto", "1", "2", "--expires", "0"},
+                                             {"map"},
+                                             {"plan", "--from", "1", "--to", "2,3"},
+                                             {"found", "a", "--cell-mm", "5"},
+                                             {"--server", "base", "status"},
+                                             {"status", "--nope"}}) {
     EXPECT_EQ(usage(arguments).code, kExitUsage) << testing::PrintToString(arguments);
   }
 }

@@ -174,7 +174,8 @@ TEST(Trulla, FillsFourMillionOpenCellsInSeconds) {
   const auto field = compute_field(grid, {0, 0}, config);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   EXPECT_EQ(field->cost.back(), 1999U * 1768U);
-  EXPECT_LT(taken.count(), 5.0);
+  // 0.4 s alone and optimised; room for sanitizers on a busy machine, none for a slower order.
+  EXPECT_LT(taken.count(), 20.0);
   RecordProperty("seconds", std::to_string(taken.count()));
 }
 

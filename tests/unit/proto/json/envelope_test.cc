@@ -30,7 +30,8 @@ TEST(ParseJson, RefusesDeepNestingButNotBracketsInText) {
   EXPECT_TRUE(parse_json(nested(kMaxNesting), 1000));
   EXPECT_FALSE(parse_json(nested(kMaxNesting + 1), 1000));
   EXPECT_FALSE(parse_json(nested(30'000), kMaxRequestBytes));
-  EXPECT_TRUE(parse_json("\"" + std::string(100, '[') + "\\\"" + std::string(100, '{') + "\"", 1000));
+  EXPECT_TRUE(
+      parse_json("\"" + std::string(100, '[') + "\\\"" + std::string(100, '{') + "\"", 1000));
 }
 
 TEST(Request, IsReadBackAsItWasWritten) {

@@ -49,8 +49,7 @@ TEST(Messages, AreReadBackAsTheyWereWritten) {
   expect_round_trip(MapRequest{"yard"});
   expect_round_trip(WatchRequest{500});
   expect_round_trip(Empty{});
-  expect_round_trip(
-      MapReply{"yard", 125, 5, 2, 100, 120, {some_robot()}, {{{0, 0}, {1, 1}}, {}}});
+  expect_round_trip(MapReply{"yard", 125, 5, 2, 100, 120, {some_robot()}, {{{0, 0}, {1, 1}}, {}}});
 }
 
 TEST(Messages, KeepWholeNumbersExact) {
@@ -73,8 +72,8 @@ TEST(Messages, RefuseAnUnknownKeyByItsName) {
   EXPECT_THAT(fault_of<GotoRequest>({{"x_m", 1}, {"y_m", 2}, {"speed", 3}}),
               HasSubstr("unknown key \"speed\""));
   EXPECT_THAT(fault_of<Empty>({{"x", 1}}), HasSubstr("unknown key \"x\""));
-  EXPECT_THAT(fault_of<PlanRequestJson>(
-                  {{"from", {{"x_m", 0}, {"y_m", 0}, {"z_m", 0}}}, {"to", {{"x_m", 0}, {"y_m", 0}}}}),
+  EXPECT_THAT(fault_of<PlanRequestJson>({{"from", {{"x_m", 0}, {"y_m", 0}, {"z_m", 0}}},
+                                         {"to", {{"x_m", 0}, {"y_m", 0}}}}),
               HasSubstr("unknown key \"from.z_m\""));
 }
 

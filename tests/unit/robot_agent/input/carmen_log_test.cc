@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "core/common/angle.h"
+#include "tests/support/data_folder.h"
 #include "tests/unit/robot_agent/input/scratch_folder.h"
 
 namespace cairn::agent {
@@ -233,12 +234,12 @@ TEST_F(CarmenLogTest, CannotDriveAndKnowsNoTruth) {
 class RealLog : public testing::Test {
  protected:
   void SetUp() override {
-    if (data_folder().empty()) {
+    if (test::data_folder().empty()) {
       GTEST_SKIP() << "skipped: no folder of real data (set CAIRN_DATA)";
     }
   }
   static Replay replay_file(const std::string& name) {
-    return replay(data_folder() + "/logs/" + name);
+    return replay((test::data_folder() / "logs" / name).string());
   }
 };
 

@@ -3,6 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "robot_agent/input/world.h"
+#include "tests/support/data_folder.h"
 #include "tests/unit/robot_agent/input/scratch_folder.h"
 
 namespace cairn::agent {
@@ -90,7 +91,7 @@ TEST_F(DemFile, MakesAWorldThatStartsOnTheFlatAtHeightZero) {
 }
 
 TEST_F(DemFile, ReadsRealTerrain) {
-  const std::string data = data_folder();
+  const std::string data = test::data_folder().string();
   if (data.empty()) {
     GTEST_SKIP() << "skipped: no folder of real data (set CAIRN_DATA)";
   }

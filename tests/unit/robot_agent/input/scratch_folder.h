@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -31,12 +32,5 @@ class ScratchFolder : public testing::Test {
  private:
   std::filesystem::path folder_;
 };
-
-/// The folder of real data; empty where there is none.
-inline std::string data_folder() {
-  const char* set = std::getenv("CAIRN_DATA");  // NOLINT: no other thread here.
-  const std::string folder = set != nullptr ? set : CAIRN_DATA_DEFAULT;
-  return std::filesystem::is_directory(folder) ? folder : "";
-}
 
 }  // namespace cairn::agent

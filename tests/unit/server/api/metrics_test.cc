@@ -19,10 +19,13 @@ TEST(Metrics, HaveARobotsLinkAndASitesMap) {
   site.submaps = 6;
   site.commits = 7;
   const auto text = metrics_text({"0.1.0", 9.0, {site}, {robot}}, {2, 1});
-  EXPECT_THAT(text, HasSubstr("cairn_robot_bytes_up_total{robot=\"r1\",site=\"yard\"} 12345678901\n"));
+  EXPECT_THAT(text,
+              HasSubstr("cairn_robot_bytes_up_total{robot=\"r1\",site=\"yard\"} 12345678901\n"));
   EXPECT_THAT(text, HasSubstr("cairn_robot_silence_seconds{robot=\"r1\",site=\"yard\"} 0.25\n"));
   EXPECT_THAT(text, HasSubstr("cairn_robot_backlog_blocks{robot=\"r1\",site=\"yard\"} 5\n"));
-  EXPECT_THAT(text, HasSubstr("# TYPE cairn_site_known_cells gauge\ncairn_site_known_cells{site=\"yard\"} 42\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("# TYPE cairn_site_known_cells gauge\ncairn_site_known_cells{site=\"yard\"} 42\n"));
   EXPECT_THAT(text, HasSubstr("cairn_site_submaps{site=\"yard\"} 6\n"));
   EXPECT_THAT(text, HasSubstr("cairn_site_commits_total{site=\"yard\"} 7\n"));
   EXPECT_THAT(text, HasSubstr("cairn_api_connections_refused_total 1\n"));

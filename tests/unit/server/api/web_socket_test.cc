@@ -229,7 +229,8 @@ TEST_F(WebSocketTest, OutlivesRandomMessages) {
   Client client(connect());
   for (int i = 0; i < 500; ++i) {
     auto text = valid;
-    for (int change = 0; change < 3; ++change) text[random() % text.size()] = static_cast<char>(random() % 96 + 32);
+    for (int change = 0; change < 3; ++change)
+      text[random() % text.size()] = static_cast<char>(random() % 96 + 32);
     client.send(text);
     const auto answer = client.read_json();
     ASSERT_TRUE(answer.contains("result") || answer.contains("error")) << text << answer;
