@@ -108,6 +108,7 @@ cairn::agent::AgentConfig config_of(const Options& options) {
   config.link.site = options.site;
   config.link.boot = (std::uint64_t{random()} << 32) | random();
   config.link.cell_size_mm = options.cell_mm;
+  if (!options.replay.empty()) config.link.evidence_period = 50ms;  // Logs run faster than time.
   config.mapper.cell_size_mm = options.cell_mm;
   config.mapper.mapping_range_m = options.mapping_range_m;
   config.driver.limits = options.vehicle;

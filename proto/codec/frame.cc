@@ -56,6 +56,19 @@ Result<Record> read_next_record(ByteReader& in, Direction direction) {
   return read_record(type, body, direction);
 }
 
+Status read_records(ByteReader& in, Direction direction, std::vector<Record>& records) {
+  while (in.left() > 0) {
+    if (records.size() == kMaxFrameRecords) {
+      return refused(ErrorCode::corrupt, "more than " + std::to_string(kMaxFrameRecords) +
+                                             " records; check that both ends run the same version");
+    }
+    Result<Record> record = read_next_record(in, direction);
+    if (!record) return record.error();
+    records.push_back(*std::move(record));
+  }
+  return {};
+}
+
 }  // namespace
 
 FrameWriter::FrameWriter(FrameHeader header) {
@@ -92,14 +105,8 @@ Result<Frame> decode_frame(std::span<const std::uint8_t> bytes, Direction expect
   const Result<FrameHeader> header = read_header(in, expected_direction);
   if (!header) return header.error();
   Frame frame{.header = *header, .records = {}};
-  while (in.left() > 0) {
-    if (frame.records.size() == kMaxFrameRecords) {
-      return refused(ErrorCode::corrupt, "more than " + std::to_string(kMaxFrameRecords) +
-                                             " records; check that both ends run the same version");
-    }
-    Result<Record> record = read_next_record(in, expected_direction);
-    if (!record) return record.error();
-    frame.records.push_back(*std::move(record));
+  if (Status records = read_records(in, expected_direction, frame.records); !records) {
+    return records.error();
   }
   return frame;
 }

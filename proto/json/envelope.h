@@ -13,8 +13,8 @@
 /// What carries the messages over the WebSocket (API.md): requests, answers, events, map tiles.
 namespace cairn::api {
 
-inline constexpr std::size_t kMaxRequestBytes = 64 * 1024;
-inline constexpr std::size_t kMaxAnswerBytes = 64 * 1024 * 1024;
+inline constexpr std::size_t kMaxRequestBytes = std::size_t{64} * 1024;
+inline constexpr std::size_t kMaxAnswerBytes = std::size_t{64} * 1024 * 1024;
 inline constexpr int kMaxNesting = 16;
 
 /// Text → JSON with bounded size and nesting. invalid_argument says where it is malformed.

@@ -115,6 +115,8 @@ void RobotLink::begin_session(const Welcome& welcome) {
   received_ = {};
   ack_due_.reset();
   evidence_.on_session(other_store);
+  round_open_ = false;
+  round_due_ = {};
   reports_.on_session();
   if (other_store) orders_.forget();
 }
@@ -185,6 +187,7 @@ std::optional<std::vector<std::uint8_t>> RobotLink::next_frame(MonotonicTime now
   if (phase_ == Phase::connected && silent_too_long(now)) say_hello_from(now);
   if (phase_ == Phase::hello) return hello_frame(now);
   lost(flight_.on_time(now));
+  open_round_if_due(now);
   if (!something_is_due(now)) return std::nullopt;
   return session_frame(now);
 }
@@ -221,6 +224,7 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
     pose_due_ = now + config_.pose_period;
   }
   const bool evidence = evidence_may_go() && evidence_.fill(frame, number) > 0;
+  if (!evidence_.has_news()) round_open_ = false;
   if (reports || evidence) {
     flight_.sent(number, evidence, now);
     if (!unanswered_since_) unanswered_since_ = now;
@@ -252,8 +256,14 @@ bool RobotLink::silent_too_long(MonotonicTime now) const {
 
 bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due_; }
 
+void RobotLink::open_round_if_due(MonotonicTime now) {
+  if (round_open_ || now < round_due_ || !evidence_.has_news()) return;
+  round_open_ = true;
+  round_due_ = now + config_.evidence_period;
+}
+
 bool RobotLink::evidence_may_go() const {
-  return flight_.evidence_may_go() && evidence_.has_news();
+  return round_open_ && flight_.evidence_may_go() && evidence_.has_news();
 }
 
 bool RobotLink::something_is_due(MonotonicTime now) const {
@@ -268,6 +278,7 @@ MonotonicTime RobotLink::next_due(MonotonicTime now) const {
   MonotonicTime due = now + kNothingDue;
   if (ack_due_) due = std::min(due, *ack_due_);
   if (pose_) due = std::min(due, pose_due_);
+  if (!round_open_ && evidence_.has_news()) due = std::min(due, round_due_);
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);
   return std::max(now, due);

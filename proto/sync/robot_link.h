@@ -28,6 +28,9 @@ struct RobotLinkConfig {
   int window_frames = 48;
   /// [ms] How often a pose is sent.
   Duration pose_period = std::chrono::milliseconds(500);
+  /// How often evidence sets out: what changed meanwhile travels once. While a round is not yet all
+  /// sent (a slow link, a full window) it goes on.
+  Duration evidence_period = std::chrono::seconds(1);
   /// How long `robot_id_in_use` is retried before it is final (an agent that was killed a moment
   /// ago still counts as present at the server).
   Duration in_use_patience = std::chrono::seconds(12);
@@ -106,6 +109,7 @@ class RobotLink {
   [[nodiscard]] bool pose_is_due(MonotonicTime now) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
   [[nodiscard]] bool evidence_may_go() const;
+  void open_round_if_due(MonotonicTime now);
   std::vector<std::uint8_t> finish(FrameWriter&& frame);
 
   RobotLinkConfig config_;
@@ -132,6 +136,8 @@ class RobotLink {
   OrderDesk orders_;
   std::optional<PoseReport> pose_;  ///< Not sent yet.
   MonotonicTime pose_due_{};
+  bool round_open_ = false;  ///< Evidence is being sent.
+  MonotonicTime round_due_{};
   LinkCounters counters_;
 };
 

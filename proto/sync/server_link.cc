@@ -77,8 +77,10 @@ void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
 }
 
 bool ServerLink::take(const PoseReport& pose, MonotonicTime now) {
-  if (pose.clock_ms < stamp_.clock_ms) return false;
-  stamp_ = {.clock_ms = pose.clock_ms, .at = now};
+  if (pose.clock_ms < newest_pose_ms_) return false;  // Overtaken on the way.
+  newest_pose_ms_ = pose.clock_ms;
+  // The first pose may have been taken a moment before the Hello was sent.
+  if (pose.clock_ms >= stamp_.clock_ms) stamp_ = {.clock_ms = pose.clock_ms, .at = now};
   return true;
 }
 
@@ -115,8 +117,8 @@ void ServerLink::refuse(const Refusal& refusal) {
 
 void ServerLink::welcome_again() { welcome_due_ = true; }
 
-void ServerLink::command(Command command, std::vector<PathPart::Point> path, Duration expires_in,
-                         MonotonicTime now) {
+void ServerLink::command(Command command, const std::vector<PathPart::Point>& path,
+                         Duration expires_in, MonotonicTime now) {
   orders_.set(std::move(command), path, now + expires_in);
 }
 

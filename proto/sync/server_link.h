@@ -56,7 +56,7 @@ class ServerLink {
   /// times, until the robot reports on this id and revision. `expires_in` is counted from `now` and
   /// translated into the robot's clock from its newest stamp, so that delay shortens it, never
   /// lengthens it.
-  void command(Command command, std::vector<PathPart::Point> path, Duration expires_in,
+  void command(Command command, const std::vector<PathPart::Point>& path, Duration expires_in,
                MonotonicTime now);
 
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
@@ -102,6 +102,7 @@ class ServerLink {
   MonotonicTime heard_at_;
 
   Stamp stamp_;
+  std::uint64_t newest_pose_ms_ = 0;
   OrderSender orders_;
   std::deque<Heard> heard_;        ///< Newest report of each revision. [Limit: ≤ kMaxReports]
   std::vector<Refusal> refusals_;  ///< [Limit: ≤ kMaxRefusals]

@@ -38,7 +38,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
         service_(service),
         place_(std::move(place)),
         write_timer_(socket_.get_executor()),
-        watch_timer_(socket_.get_executor()) {}
+        watch_timer_(socket_.get_executor()),
+        pause_timer_(socket_.get_executor()) {}
 
   void run() {
     place_->on_close_all([weak = weak_from_this(), strand = socket_.get_executor()] {
@@ -58,11 +59,21 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   /// Reads on unless the peer has enough answers coming: who does not read is not read.
   void read() {
-    if (reading_ || closed_ || open_requests_ >= kMaxOpenRequests) return;
+    if (reading_ || closed_) return;
+    if (open_requests_ >= kMaxOpenRequests) return pause();
+    pause_timer_.cancel();
     reading_ = true;
     socket_.async_read(buffer_, [self = shared_from_this()](error_code fault, std::size_t) {
       self->reading_ = false;
       fault ? self->close() : self->on_message();
+    });
+  }
+
+  /// Without a read under way this wait keeps the session alive, and ends it when no answer comes.
+  void pause() {
+    pause_timer_.expires_after(kIdleTimeout);
+    pause_timer_.async_wait([self = shared_from_this()](error_code fault) {
+      if (!fault) self->close();
     });
   }
 
@@ -98,7 +109,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   template <class T, class Then>
   std::function<void(Result<T>)> on_strand(Then then) {
     return [weak = weak_from_this(), strand = socket_.get_executor(), then](Result<T> result) {
-      // The lock also keeps what runs the strand alive while we post to it.
+      // A read, a write or the pause keeps a live session alive: without one it is gone.
       const auto self = weak.lock();
       if (!self) return;
       net::post(strand, [self, then, result = std::move(result)]() mutable {
@@ -209,6 +220,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     closed_ = true;
     watch_timer_.cancel();
     write_timer_.cancel();
+    pause_timer_.cancel();
     beast::get_lowest_layer(socket_).close();
   }
 
@@ -223,6 +235,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   std::optional<Outbox::Message> writing_;
   net::steady_timer write_timer_;
   net::steady_timer watch_timer_;
+  net::steady_timer pause_timer_;
   std::optional<std::chrono::milliseconds> watch_period_;
   bool status_asked_ = false;
   std::size_t maps_under_way_ = 0;

@@ -1,6 +1,7 @@
 // A real 45-minute log through agent, DDS and server as fast as the machine allows.
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <regex>
@@ -38,8 +39,8 @@ int main(int argc, char** argv) {
     std::cerr << server.process().output();
     return 1;
   }
-  cairn::test::Process agent = cairn::test::start_agent(
-      folder, "replay", {"--site", "log", "--replay", log.string()});
+  cairn::test::Process agent =
+      cairn::test::start_agent(folder, "replay", {"--site", "log", "--replay", log.string()});
   if (agent.wait(600s) != 0) {
     std::cerr << agent.output() << server.process().output();
     return 1;

@@ -188,9 +188,11 @@ TEST_F(BadOperatorInput, GoalsThatCannotBeReachedSayWhy) {
       },
       20s))
       << agent.output();
+  ASSERT_TRUE(eventually(
+      [&] { return server_.status()["robots"][0]["x_m"].get<double>() > 0.0; }, 10s));
   expect_refusal(server_.cairn({"goto", "400", "2", "--unknown", "blocked"}), 1, "no path");
-  expect_refusal(server_.cairn({"goto", "1e9", "2"}), 1, "x_m");
-  expect_refusal(server_.cairn({"goto", "nan", "2"}), 2, "nan");
+  expect_refusal(server_.cairn({"goto", "1e9", "2"}), 2, "metres");
+  expect_refusal(server_.cairn({"goto", "nan", "2"}), 2, "metres");
 }
 
 }  // namespace

@@ -20,13 +20,17 @@ class EndToEnd : public ::testing::Test {
   bool connected(const std::string& robot) {
     return eventually([&] { return robot_json(robot).value("connected", false); }, 20s);
   }
+  void send(const std::string& x, const std::string& y) {
+    const Finished sent = server_.cairn({"goto", x, y});
+    ASSERT_EQ(sent.exit_code, 0) << sent.output;
+  }
   json robot_json(const std::string& robot) {
     const json status = server_.status();
-    if (!status.is_object()) return {};
+    if (!status.is_object()) return json::object();
     for (const json& candidate : status["robots"]) {
       if (candidate["id"] == robot) return candidate["link"];
     }
-    return {};
+    return json::object();
   }
   std::uint64_t known_cells() {
     const json status = server_.status();
@@ -73,7 +77,7 @@ TEST_F(EndToEnd, AStopReachesADrivingRobot) {
   Process agent = start_agent(folder_, "r1", {"--world", "room", "--site", "lab"});
   ASSERT_TRUE(connected("r1")) << agent.output();
   ASSERT_TRUE(eventually([&] { return known_cells() > 500; }, 20s));
-  ASSERT_EQ(server_.cairn({"goto", "6", "2.5"}).exit_code, 0);
+  send("6", "2.5");
   ASSERT_TRUE(eventually([&] { return server_.status()["robots"][0]["drive"] == "driving"; }, 10s));
   EXPECT_EQ(server_.cairn({"stop"}).exit_code, 0);
   EXPECT_TRUE(eventually(
@@ -88,7 +92,7 @@ TEST_F(EndToEnd, ARobotThatHearsNothingAnyMoreStopsByItself) {
   Process agent = start_agent(folder_, "r1", {"--world", "room", "--site", "lab"});
   ASSERT_TRUE(connected("r1")) << agent.output();
   ASSERT_TRUE(eventually([&] { return known_cells() > 500; }, 20s));
-  ASSERT_EQ(server_.cairn({"goto", "11", "2.5", "--partial"}).exit_code, 0);
+  send("8", "2.5");
   ASSERT_TRUE(eventually([&] { return server_.status()["robots"][0]["drive"] == "driving"; }, 10s));
   server_.process().kill();
   EXPECT_TRUE(agent.wait_for_output("the link was silent", 15s)) << agent.output();

@@ -164,6 +164,7 @@ TEST(SyncProperty, AStoreThatFellBackAsksFromWhatItHolds) {
 
 std::vector<PathPart::Point> path_of(int points) {
   std::vector<PathPart::Point> path;
+  path.reserve(static_cast<std::size_t>(points));
   for (int i = 0; i < points; ++i) path.push_back({i, -i});
   return path;
 }

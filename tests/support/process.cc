@@ -21,10 +21,14 @@ Process::Process(const std::vector<std::string>& argv, std::filesystem::path out
   std::vector<char*> arguments;
   for (const std::string& argument : argv) arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
+  // Emptied here, so that nobody waits for a line and finds the one of the process before.
+  const int file = open(output_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
   pid_ = fork();
-  if (pid_ != 0) return;
+  if (pid_ != 0) {
+    close(file);
+    return;
+  }
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // Nothing outlives the tests.
-  const int file = open(output_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_APPEND, 0644);
   dup2(file, STDOUT_FILENO);
   dup2(file, STDERR_FILENO);
   execv(arguments[0], arguments.data());

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "core/localization/refine.h"
+#include "core/localization/registration.h"
+#include "core/localization/search.h"
+
+namespace cairn {
+
+/// Lays a short-term map over the long-term map at the prior, lifted by `offset_mm`.
+/// Requires: a usable prior and map, see register_map.
+[[nodiscard]] MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& prior,
+                                        const HeightMap& long_term, const SearchWindow& window,
+                                        const RegistrationConfig& config, int offset_mm);
+
+/// [mm] Median of what the long-term map is higher than the short-term map at a candidate; 0
+/// without overlap.
+[[nodiscard]] int median_offset_mm(const MatchProblem& problem, const Candidate& candidate);
+
+/// The known cells as refinement wants them.
+[[nodiscard]] std::vector<ShortTermCell> short_term_cells(const HeightMap& short_term,
+                                                          const RegistrationPrior& prior);
+
+/// The robot's place by the prior, and back to poses.
+[[nodiscard]] RobotPlace robot_place(const RegistrationPrior& prior);
+[[nodiscard]] Pose submap_pose(const RegistrationPrior& prior, const RobotPlace& place);
+[[nodiscard]] Pose robot_pose(const RegistrationPrior& prior, const Pose& T_site_submap);
+
+/// [cells] RegistrationConfig::ground_reach_m.
+[[nodiscard]] int ground_reach(const HeightMap& map, const RegistrationConfig& config);
+
+}  // namespace cairn

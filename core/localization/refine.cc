@@ -1,0 +1,192 @@
+#include "core/localization/refine.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/common/angle.h"
+
+namespace cairn {
+namespace {
+
+/// The long-term surface at one point.
+struct Surface {
+  double height_mm;
+  double per_x, per_y;  ///< [mm/m]
+  double relief_mm;
+};
+
+/// The smallest and largest known height of the 4 × 4 cells around the square (x, y) … (x+1, y+1).
+double relief_mm(const MatchRaster& map, int x, int y) {
+  int lowest = kMatchLimitMm;
+  int highest = -kMatchLimitMm;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 2, map.height - 1); ++v) {
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 2, map.width - 1); ++u) {
+      if (!map.known(u, v)) continue;
+      lowest = std::min<int>(lowest, map.at(u, v));
+      highest = std::max<int>(highest, map.at(u, v));
+    }
+  }
+  return highest - lowest;
+}
+
+std::optional<Surface> surface_at(const LongTermRelief& relief, double x_cells, double y_cells) {
+  const MatchRaster& map = relief.heights;
+  const int x = static_cast<int>(std::floor(x_cells));
+  const int y = static_cast<int>(std::floor(y_cells));
+  if (x < 0 || y < 0 || x + 1 >= map.width || y + 1 >= map.height) return std::nullopt;
+  if (!map.known(x, y) || !map.known(x + 1, y) || !map.known(x, y + 1) ||
+      !map.known(x + 1, y + 1)) {
+    return std::nullopt;
+  }
+  const double u = x_cells - x;
+  const double v = y_cells - y;
+  const double h00 = map.at(x, y);
+  const double h10 = map.at(x + 1, y) - h00;
+  const double h01 = map.at(x, y + 1) - h00;
+  const double h11 = map.at(x + 1, y + 1) - h00 - h10 - h01;
+  return Surface{h00 + h10 * u + h01 * v + h11 * u * v, (h10 + h11 * v) / relief.cell_m,
+                 (h01 + h11 * u) / relief.cell_m, relief_mm(map, x, y)};
+}
+
+/// The normal equations at one place, and how well it fits there.
+struct Normal {
+  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d b = Eigen::Vector4d::Zero();
+  std::size_t overlap = 0;
+  std::size_t inliers = 0;
+  double weights = 0.0;  ///< In units of 1/σ²: how many cells count.
+  double squares = 0.0;  ///< Weighted (residual / σ)².
+  double weights_mm = 0.0;
+  double squares_mm = 0.0;
+};
+
+class NormalEquations {
+ public:
+  NormalEquations(const LongTermRelief& map, const RobotPlace& place, const RefineConfig& config)
+      : map_(map),
+        place_(place),
+        config_(config),
+        cos_(std::cos(place[3])),
+        sin_(std::sin(place[3])) {}
+
+  void add(const ShortTermCell& cell) {
+    const double x = cos_ * cell.from_robot_m.x() - sin_ * cell.from_robot_m.y();
+    const double y = sin_ * cell.from_robot_m.x() + cos_ * cell.from_robot_m.y();
+    const double x_cells = (place_[0] + x) / map_.cell_m - map_.heights.lowest.x - 0.5;
+    const double y_cells = (place_[1] + y) / map_.cell_m - map_.heights.lowest.y - 0.5;
+    const auto surface = surface_at(map_, x_cells, y_cells);
+    if (!surface) return;
+    const double height_mm =
+        clipped(cell.height_mm + place_[2] * 1000.0 - map_.heights.datum_mm, x_cells, y_cells);
+    Eigen::Vector4d J(0.0, 0.0, -1000.0, 0.0);
+    if (surface->relief_mm >= config_.noise_relief_mm) {
+      J[0] = surface->per_x;
+      J[1] = surface->per_y;
+      J[3] = surface->per_y * x - surface->per_x * y;
+    }
+    add(J, surface->height_mm - height_mm, surface->relief_mm);
+  }
+
+  [[nodiscard]] const Normal& result() const { return normal_; }
+
+ private:
+  [[nodiscard]] double clipped(double height_mm, double x_cells, double y_cells) const {
+    if (map_.ground.empty()) return height_mm;
+    const int x = static_cast<int>(std::floor(x_cells + 0.5));
+    const int y = static_cast<int>(std::floor(y_cells + 0.5));
+    const double ground_mm = map_.ground[map_.heights.index(x, y)];
+    return std::min(height_mm, ground_mm + map_.face_mm);
+  }
+
+  void add(const Eigen::Vector4d& J, double residual_mm, double relief_mm) {
+    constexpr double kFarSigmas2 = 6.0;  // From about here on a difference counts less and less.
+    const double edge_mm = config_.relief_share * relief_mm;
+    const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + edge_mm * edge_mm;
+    const double squared = residual_mm * residual_mm / variance;
+    const double fit = 1.0 / (1.0 + squared / kFarSigmas2);
+    const double weight = fit * fit / variance;
+    normal_.H.noalias() += weight * J * J.transpose();
+    normal_.b.noalias() -= weight * residual_mm * J;
+    ++normal_.overlap;
+    normal_.inliers += squared < 9.0 ? 1 : 0;
+    normal_.weights += fit * fit;
+    normal_.squares += fit * fit * squared;
+    normal_.weights_mm += weight;
+    normal_.squares_mm += weight * residual_mm * residual_mm;
+  }
+
+  const LongTermRelief& map_;
+  const RobotPlace& place_;
+  const RefineConfig& config_;
+  double cos_, sin_;
+  Normal normal_;
+};
+
+Normal normal_at(const std::vector<ShortTermCell>& cells, const LongTermRelief& map,
+                 const RobotPlace& place, const RefineConfig& config) {
+  NormalEquations equations(map, place, config);
+  for (const ShortTermCell& cell : cells) equations.add(cell);
+  return equations.result();
+}
+
+/// Cells that err together, and heights that fit worse than expected, weaken a match.
+double opinion_share(const Normal& normal, const RefineConfig& config) {
+  const double misfit = std::max(normal.squares / std::max(normal.weights, 1e-9), 1.0);
+  return 1.0 / (config.cells_per_opinion * misfit);
+}
+
+RobotPlace difference(const RobotPlace& a, const RobotPlace& b) {
+  RobotPlace d = a - b;
+  d[3] = wrap_angle(d[3]);
+  return d;
+}
+
+/// No step leaves the neighbourhood in which the surface was looked at.
+RobotPlace limited(RobotPlace step) {
+  constexpr double kLongestM = 0.1;
+  constexpr double kLargestTurnRad = 0.02;
+  const double way = step.head<2>().norm();
+  if (way > kLongestM) step.head<2>() *= kLongestM / way;
+  step[3] = std::clamp(step[3], -kLargestTurnRad, kLargestTurnRad);
+  return step;
+}
+
+bool is_small(const RobotPlace& step) {
+  return step.head<3>().norm() < 1e-5 && std::abs(step[3]) < 1e-6;
+}
+
+}  // namespace
+
+std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
+                                 const LongTermRelief& long_term, const RobotPlace& prior,
+                                 const Eigen::Matrix4d& prior_information, const RobotPlace& start,
+                                 const RefineConfig& config) {
+  RobotPlace place = start;
+  for (int i = 0; i < config.max_iterations; ++i) {
+    const Normal normal = normal_at(cells, long_term, place, config);
+    if (normal.overlap == 0) return std::nullopt;
+    const double share = opinion_share(normal, config);
+    const Eigen::Matrix4d H = share * normal.H + prior_information;
+    const Eigen::Vector4d b = share * normal.b - prior_information * difference(place, prior);
+    const RobotPlace step = limited(H.ldlt().solve(b));
+    if (!step.allFinite()) return std::nullopt;
+    place += step;
+    if (is_small(step)) break;
+  }
+  const Normal normal = normal_at(cells, long_term, place, config);
+  if (normal.overlap == 0) return std::nullopt;
+  Refinement result;
+  result.place = place;
+  result.place[3] = wrap_angle(place[3]);
+  result.information = opinion_share(normal, config) * normal.H;
+  result.covariance = (result.information + prior_information).inverse();
+  result.overlap = normal.overlap;
+  result.inliers = static_cast<double>(normal.inliers) / static_cast<double>(normal.overlap);
+  result.residual_mm = std::sqrt(normal.squares_mm / normal.weights_mm);
+  return result;
+}
+
+}  // namespace cairn

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/localization/match_raster.h"
+
+namespace cairn {
+
+/// A known cell of a short-term map, as seen from the robot.
+struct ShortTermCell {
+  Eigen::Vector2d from_robot_m;  ///< Its middle, along the short-term map's axes.
+  double height_mm = 0.0;        ///< Above the robot's foot.
+};
+
+/// The long-term map around the robot with what refinement asks of it.
+struct LongTermRelief {
+  MatchRaster heights;
+  std::vector<std::int16_t> ground;  ///< As from lowest_around; empty: faces are not clipped.
+  int face_mm = 0;                   ///< As in clip_faces.
+  double cell_m = 0.0;
+};
+
+struct RefineConfig {
+  /// [mm] Spread of a flat cell's height between two maps.
+  double flat_sigma_mm = 20.0;
+  /// [-] What of the heights around a cell adds to its spread: cells cover edges differently.
+  double relief_share = 0.3;
+  /// [mm] Relief below this is noise and tells nothing of x, y and yaw.
+  double noise_relief_mm = 25.0;
+  /// [-] Neighbouring cells err together: this many count as one.
+  double cells_per_opinion = 10.0;
+  int max_iterations = 30;
+};
+
+/// Where the robot is believed to be: x, y, z [m] and the short-term map's yaw [rad].
+using RobotPlace = Eigen::Vector4d;
+
+struct Refinement {
+  RobotPlace place;
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();  ///< Of the match alone.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();   ///< Of the place, prior included.
+  std::size_t overlap = 0;                                ///< Cells known in both.
+  double inliers = 0.0;      ///< [0 … 1] Share of the overlap that agrees within 3 σ.
+  double residual_mm = 0.0;  ///< Weighted root mean square of the height differences.
+};
+
+/// Gauss-Newton over x, y, z and yaw from `start`: height differences between the short-term cells
+/// and the long-term surface, bilinear in between, each weighed by the relief around it (near an
+/// edge a height says little, its position much) and down when it does not fit. The prior takes
+/// part with its information: where the ground tells nothing, the prior stays.
+/// Empty when the maps do not overlap.
+[[nodiscard]] std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
+                                               const LongTermRelief& long_term,
+                                               const RobotPlace& prior,
+                                               const Eigen::Matrix4d& prior_information,
+                                               const RobotPlace& start, const RefineConfig& config);
+
+}  // namespace cairn

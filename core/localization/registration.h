@@ -1,0 +1,96 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "core/localization/refine.h"
+#include "core/localization/search.h"
+#include "core/map/height_map.h"
+#include "core/pose/pose.h"
+
+namespace cairn {
+
+enum class RegistrationMode {
+  thesis,  ///< T4.3.3 as it is written: the weighted mean of the good matches, z from the map.
+  cairn,   ///< The best match, refined within its cell, accepted by evidence.
+};
+
+struct RegistrationConfig {
+  RegistrationMode mode = RegistrationMode::cairn;
+  SearchWindow window;
+  /// Searched once more, when the narrow search gave nothing that can be accepted.
+  SearchWindow wide_window{.reach_m = 4.0, .yaw_rad = 0.5236, .yaw_step_rad = 8.7e-3};
+  bool widen = true;
+  /// [m] The z of the prior may be off by this much.
+  double z_window_m = 1.5;
+  /// [-] Normalised score from which a match is a good one (thesis).
+  double good_match = 0.7;
+  /// [mm] How far up a face is looked at (cairn), see clip_faces.
+  int face_mm = 350;
+  /// [m] The ground that a face stands on is looked for this far around it.
+  double ground_reach_m = 0.75;
+  RefineConfig refine;
+
+  // What makes a match acceptable.
+  double min_overlap = 0.35;      ///< [-] Of the short-term map's cells, known in both.
+  int min_overlap_cells = 150;    ///< And so many at least.
+  double min_inliers = 0.75;      ///< [-] Of the overlap, agreeing within 3 σ.
+  double max_residual_mm = 60.0;  ///< [mm]
+  /// [-] The second-best basin's score must be this much worse, in parts of its own, to tell the
+  /// two apart by the match alone.
+  double min_distinctness = 0.12;
+  /// [-] Squared Mahalanobis distance from the prior (4 degrees of freedom: 0.1 % are beyond 18.5).
+  double max_innovation = 18.5;
+  double prior_floor_m = 0.03;      ///< [m] A prior is never surer than this, in x, y and z,
+  double prior_floor_rad = 0.0087;  ///< [rad] and yaw.
+};
+
+/// Where a short-term map is believed to lie.
+struct RegistrationPrior {
+  Pose T_site_submap;   ///< Level: roll and pitch are ignored.
+  Pose T_submap_robot;  ///< Where the robot is now; turns are made around this point.
+  /// Of the robot's (x, y, z [m], yaw [rad]) in the site; the map is stiff and moves along.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
+};
+
+/// The answer and its evidence.
+struct Registration {
+  Pose T_site_submap;  ///< The prior's where it is not accepted.
+  Pose T_site_robot;   ///< T_site_submap · T_submap_robot, with roll and pitch of the latter.
+  /// Of the robot's (x, y, z, yaw) after the match. Where the match tells nothing it is the
+  /// prior's.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
+  /// Of the match alone: (near) zero in directions that the ground does not show.
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  Pose best_cell;             ///< T_site_submap of the best whole-cell match.
+  double overlap = 0.0;       ///< [0 … 1] Share of the short-term map's cells known in both.
+  double score = 0.0;         ///< [mm] Mean truncated height difference of the best match.
+  double second_best = 0.0;   ///< [mm] The same of the best match in another basin; 0: none.
+  double distinctness = 0.0;  ///< [0 … 1] 1 - score / second_best.
+  double inliers = 0.0;       ///< [0 … 1]
+  double residual_mm = 0.0;
+  double innovation = 0.0;           ///< [-] Squared Mahalanobis distance between match and prior.
+  bool position_observable = false;  ///< The match tells x and y better than ±10 cm.
+  bool wide = false;                 ///< It took the wide window.
+  bool accepted = false;
+  std::string why;  ///< One line: why it was refused, or what is special.
+};
+
+/// Registers a short-term map against the long-term map around the prior (T2.2.3, T4.3.3). Refused
+/// matches leave the prior as it is. Never fails: unusable input (not finite, empty, larger than
+/// kMaxRegistrationCells) is refused. Requires: equal cell sizes.
+[[nodiscard]] Registration register_map(const HeightMap& short_term, const RegistrationPrior& prior,
+                                        const HeightMap& long_term,
+                                        const RegistrationConfig& config);
+
+/// The narrow search of `register_map` as a problem of its own, for benches and tests.
+/// Requires: a prior and a short-term map that register_map would not refuse as unusable.
+[[nodiscard]] MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& prior,
+                                        const HeightMap& long_term, const SearchWindow& window,
+                                        const RegistrationConfig& config);
+
+/// [cells] Largest side of a short-term map's known part.
+inline constexpr int kMaxRegistrationCells = 768;
+
+}  // namespace cairn
