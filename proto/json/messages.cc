@@ -10,7 +10,7 @@ namespace cairn::api {
 
 namespace {
 
-using std::string_view_literals::operator""sv;
+using namespace std::string_view_literals;
 
 constexpr std::array kUnknown = {"blocked"sv, "allowed"sv};
 constexpr std::array kOnLinkLoss = {"stop"sv, "continue"sv};

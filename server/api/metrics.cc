@@ -61,7 +61,7 @@ double number(T value) {
 }
 
 const std::vector<Series<SiteJson>>& site_series() {
-  static const std::vector<Series<SiteJson>> kSeries = {
+  static const std::vector<Series<SiteJson>> series = {
       {"cairn_site_known_cells", "gauge", "Cells of the long-term map that are known.",
        [](const SiteJson& s) { return number(s.known_cells); }},
       {"cairn_site_tiles", "gauge", "Tiles of the long-term map.",
@@ -77,11 +77,11 @@ const std::vector<Series<SiteJson>>& site_series() {
       {"cairn_site_commits_total", "counter", "Store transactions since the server started.",
        [](const SiteJson& s) { return number(s.commits); }},
   };
-  return kSeries;
+  return series;
 }
 
 const std::vector<Series<RobotJson>>& robot_series() {
-  static const std::vector<Series<RobotJson>> kSeries = {
+  static const std::vector<Series<RobotJson>> series = {
       {"cairn_robot_connected", "gauge", "1 while the robot's link is up.",
        [](const RobotJson& r) { return r.link.connected ? 1.0 : 0.0; }},
       {"cairn_robot_silence_seconds", "gauge", "Since the robot's last frame.",
@@ -101,7 +101,7 @@ const std::vector<Series<RobotJson>>& robot_series() {
       {"cairn_robot_backlog_blocks", "gauge", "Evidence the robot has and the server lacks.",
        [](const RobotJson& r) { return number(r.link.backlog_blocks); }},
   };
-  return kSeries;
+  return series;
 }
 
 }  // namespace

@@ -111,8 +111,10 @@ void respond(Service& service, const Connections& connections, const std::string
   if (target == "/metrics") return respond_metrics(service, connections, std::move(reply));
   if (target == "/api/v1/status") return respond_status(service, std::move(reply));
   if (const auto tile = tile_target(target)) {
-    return service.map(tile->site, [key = tile->key, reply = std::move(reply)](
-                                       Result<Service::Map> map) { reply(tile_answer(map, key)); });
+    return service.map(
+        tile->site, [key = tile->key, reply = std::move(reply)](const Result<Service::Map>& map) {
+          reply(tile_answer(map, key));
+        });
   }
   reply(
       not_found("no such page: try /healthz, /metrics, /api/v1/status, "

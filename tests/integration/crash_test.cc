@@ -241,10 +241,10 @@ std::string write_log(const TempFolder& folder) {
     const double y = 3.0 * (1.0 - std::cos(turned));
     log << "FLASER 180";
     for (int beam = 0; beam < 180; ++beam) {
-      const double angle = turned + (beam - 90) * 3.14159265 / 180.0;
+      const double angle = turned + (beam - 90 + 0.01) * 3.14159265 / 180.0;  // Never along a wall.
       const double to_x = ((std::cos(angle) > 0 ? 9.0 : -9.0) - x) / std::cos(angle);
       const double to_y = ((std::sin(angle) > 0 ? 12.0 : -6.0) - y) / std::sin(angle);
-      log << ' ' << std::min({to_x, to_y, 60.0});
+      log << ' ' << std::clamp(std::min(to_x, to_y), 0.0, 60.0);
     }
     const double yaw = std::remainder(turned, 2.0 * 3.14159265);
     for (int pose = 0; pose < 2; ++pose) log << ' ' << x << ' ' << y << ' ' << yaw;
