@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/common/angle.h"
@@ -101,7 +102,10 @@ Registration ContinuousLocalization::register_oldest(const HeightMap& long_term,
   prior.T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot_);
   prior.covariance = covariance;
   RegistrationConfig config = config_.registration;
-  if (state_ == LocalizationState::lost) config.wide_window = config_.lost_window;
+  if (state_ == LocalizationState::lost) {
+    config.wide_window = config_.lost_window;
+    config.max_wide_innovation = std::numeric_limits<double>::infinity();
+  }
   return register_map(map.surface, prior, long_term, config);
 }
 

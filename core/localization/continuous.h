@@ -23,8 +23,8 @@ struct ContinuousConfig {
   SensorModel sensor_model;
   int cell_size_mm = 125;  ///< [mm] As the long-term map's.
   /// A short-term map matures after this much way [m] and turning [rad], added up in parts.
-  double mature_distance_m = 2.0;
-  double mature_turn_rad = 1.6;
+  double mature_distance_m = 1.0;
+  double mature_turn_rad = 0.8;
   int overlapping_maps = 4;       ///< [Limit: 1 … 16] So many grow at a time.
   double mapping_range_m = 15.0;  ///< [m] Beams count this far.
   int refusals_until_lost = 4;    ///< In a row.

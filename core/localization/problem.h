@@ -12,7 +12,7 @@ namespace cairn {
 /// Requires: a usable prior and map, see register_map.
 [[nodiscard]] MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& prior,
                                         const HeightMap& long_term, const SearchWindow& window,
-                                        const RegistrationConfig& config, int offset_mm);
+                                        const RegistrationConfig& config, int offset_mm = 0);
 
 /// [mm] Median of what the long-term map is higher than the short-term map at a candidate; 0
 /// without overlap.

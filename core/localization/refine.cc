@@ -32,23 +32,77 @@ double relief_mm(const MatchRaster& map, int x, int y) {
   return highest - lowest;
 }
 
-std::optional<Surface> surface_at(const LongTermRelief& relief, double x_cells, double y_cells) {
+/// The heights at the corners of a square of four neighbouring cells.
+struct Corners {
+  double h00, h10, h01, h11;
+};
+
+double range_of(const Corners& c) {
+  return std::max({c.h00, c.h10, c.h01, c.h11}) - std::min({c.h00, c.h10, c.h01, c.h11});
+}
+
+/// Whether the cells around (x, y) that stand as high as a face are few: a line of them, not the
+/// top of something.
+bool is_thin(const LongTermRelief& relief, int x, int y, int lowest_mm) {
+  constexpr int kReach = 2;
+  constexpr int kThin = 11;  // Of 25: two rows of five and one; half of a top would be 15.
   const MatchRaster& map = relief.heights;
+  int high = 0;
+  for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, map.height - 1); ++v) {
+    for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, map.width - 1); ++u) {
+      high += map.known(u, v) && map.at(u, v) > lowest_mm ? 1 : 0;
+    }
+  }
+  return high <= kThin;
+}
+
+/// Nothing is known behind a face that was only seen from in front. Its cells then stand as a ridge
+/// between the ground on both sides, so that cells of the same face are drawn onto it from either
+/// side; left out, those behind it would be missed and all others pull the map into the face.
+std::optional<Corners> ridge_corners(const LongTermRelief& relief, int x, int y) {
+  const MatchRaster& map = relief.heights;
+  if (relief.ground.empty()) return std::nullopt;
+  double height[4];
+  bool face = false;
+  for (int i = 0; i < 4; ++i) {
+    const int u = x + i % 2;
+    const int v = y + i / 2;
+    const int ground_mm = relief.ground[map.index(u, v)];
+    if (ground_mm == map.unknown) return std::nullopt;
+    height[i] = map.known(u, v) ? map.at(u, v) : ground_mm;
+    const int lowest_mm = ground_mm + relief.face_mm / 2;
+    if (height[i] <= lowest_mm) continue;
+    if (!is_thin(relief, u, v, lowest_mm)) return std::nullopt;
+    face = true;
+  }
+  return face ? std::optional(Corners{height[0], height[1], height[2], height[3]}) : std::nullopt;
+}
+
+std::optional<Corners> corners_at(const LongTermRelief& relief, int x, int y) {
+  const MatchRaster& map = relief.heights;
+  if (x < 0 || y < 0 || x + 1 >= map.width || y + 1 >= map.height) return std::nullopt;
+  if (map.known(x, y) && map.known(x + 1, y) && map.known(x, y + 1) && map.known(x + 1, y + 1)) {
+    return Corners{static_cast<double>(map.at(x, y)), static_cast<double>(map.at(x + 1, y)),
+                   static_cast<double>(map.at(x, y + 1)),
+                   static_cast<double>(map.at(x + 1, y + 1))};
+  }
+  return ridge_corners(relief, x, y);
+}
+
+std::optional<Surface> surface_at(const LongTermRelief& relief, double x_cells, double y_cells) {
   const int x = static_cast<int>(std::floor(x_cells));
   const int y = static_cast<int>(std::floor(y_cells));
-  if (x < 0 || y < 0 || x + 1 >= map.width || y + 1 >= map.height) return std::nullopt;
-  if (!map.known(x, y) || !map.known(x + 1, y) || !map.known(x, y + 1) ||
-      !map.known(x + 1, y + 1)) {
-    return std::nullopt;
-  }
+  const auto corners = corners_at(relief, x, y);
+  if (!corners) return std::nullopt;
   const double u = x_cells - x;
   const double v = y_cells - y;
-  const double h00 = map.at(x, y);
-  const double h10 = map.at(x + 1, y) - h00;
-  const double h01 = map.at(x, y + 1) - h00;
-  const double h11 = map.at(x + 1, y + 1) - h00 - h10 - h01;
+  const double h00 = corners->h00;
+  const double h10 = corners->h10 - h00;
+  const double h01 = corners->h01 - h00;
+  const double h11 = corners->h11 - h00 - h10 - h01;
   return Surface{h00 + h10 * u + h01 * v + h11 * u * v, (h10 + h11 * v) / relief.cell_m,
-                 (h01 + h11 * u) / relief.cell_m, relief_mm(map, x, y)};
+                 (h01 + h11 * u) / relief.cell_m,
+                 std::max(relief_mm(relief.heights, x, y), range_of(*corners))};
 }
 
 /// The normal equations at one place, and how well it fits there.

@@ -30,9 +30,9 @@ struct RefineConfig {
   /// [-] What of the heights around a cell adds to its spread: cells cover edges differently.
   double relief_share = 0.3;
   /// [mm] Relief below this is noise and tells nothing of x, y and yaw.
-  double noise_relief_mm = 25.0;
+  double noise_relief_mm = 40.0;
   /// [-] Neighbouring cells err together: this many count as one.
-  double cells_per_opinion = 10.0;
+  double cells_per_opinion = 5.0;
   int max_iterations = 30;
 };
 

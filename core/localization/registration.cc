@@ -83,7 +83,7 @@ class Registering {
     if (!best.best) return refused("nothing within the wide window overlaps enough");
     std::vector<Candidate> places{*best.best};
     const Excluded basin{*best.best, kBasinCells, basin_turns()};
-    const double rival_mm = best.best->score_mm() / (1.0 - config_.min_distinctness);
+    const double rival_mm = best.best->score_mm() / (1.0 - config_.min_wide_distinctness);
     if (const auto rival = search_wide(problem_, kernels, rival_mm, basin).best) {
       places.push_back(*rival);
     }
@@ -231,7 +231,19 @@ class Registering {
     if (!answer.wide && answer.innovation > config_.max_innovation) {
       return "too far from where the robot can be";
     }
-    if (answer.wide && !answer.position_observable) return "x and y are not observable here";
+    return answer.wide ? wide_objection(answer, start) : "";
+  }
+
+  /// The wide search trusts the match more than the prior, so the match must be beyond doubt.
+  [[nodiscard]] std::string wide_objection(const Registration& answer,
+                                           const Candidate& start) const {
+    const int last = problem_.side() - 1;
+    const auto at_edge = [](int i, int end) { return i <= 1 || i >= end - 1; };
+    if (at_edge(start.x, last) || at_edge(start.y, last)) return "it is best at the window's edge";
+    if (!answer.position_observable) return "x and y are not observable here";
+    if (answer.distinctness < config_.min_wide_distinctness) return "another place matches as well";
+    if (answer.innovation > config_.max_wide_innovation)
+      return "too far from where the robot can be";
     return {};
   }
 
@@ -322,12 +334,6 @@ Registration register_map(const HeightMap& short_term, const RegistrationPrior& 
   Registration wide = registering.wide();
   if (!wide.accepted) wide.why = answer.why + "; in the wide window: " + wide.why;
   return wide;
-}
-
-MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& prior,
-                          const HeightMap& long_term, const SearchWindow& window,
-                          const RegistrationConfig& config) {
-  return make_problem(short_term, prior, long_term, window, config, 0);
 }
 
 }  // namespace cairn

@@ -42,8 +42,12 @@ struct RegistrationConfig {
   double min_distinctness = 0.12;
   /// [-] Squared Mahalanobis distance from the prior (4 degrees of freedom: 0.1 % are beyond 18.5).
   double max_innovation = 18.5;
-  double prior_floor_m = 0.03;      ///< [m] A prior is never surer than this, in x, y and z,
-  double prior_floor_rad = 0.0087;  ///< [rad] and yaw.
+  /// [-] The same for what only the wide search finds: ten sigmas. A robot that knows that it is
+  /// lost puts it to infinity.
+  double max_wide_innovation = 100.0;
+  double min_wide_distinctness = 0.25;  ///< [-] Nothing but the match speaks for it.
+  double prior_floor_m = 0.03;          ///< [m] A prior is never surer than this, in x, y and z,
+  double prior_floor_rad = 0.0087;      ///< [rad] and yaw.
 };
 
 /// Where a short-term map is believed to lie.
@@ -82,12 +86,6 @@ struct Registration {
 /// kMaxRegistrationCells) is refused. Requires: equal cell sizes.
 [[nodiscard]] Registration register_map(const HeightMap& short_term, const RegistrationPrior& prior,
                                         const HeightMap& long_term,
-                                        const RegistrationConfig& config);
-
-/// The narrow search of `register_map` as a problem of its own, for benches and tests.
-/// Requires: a prior and a short-term map that register_map would not refuse as unusable.
-[[nodiscard]] MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& prior,
-                                        const HeightMap& long_term, const SearchWindow& window,
                                         const RegistrationConfig& config);
 
 /// [cells] Largest side of a short-term map's known part.

@@ -17,6 +17,8 @@ using proto::DriveState;
 constexpr Duration kBlockedPatience = std::chrono::milliseconds(400);
 /// While blocked the server is told again this often, so that it tries again.
 constexpr Duration kBlockedRepeat = std::chrono::seconds(3);
+/// A command is worth this many looks from further back.
+constexpr int kMaxBackups = 6;
 /// [m] A path that begins further away was made for somewhere else.
 constexpr double kMaxOffPathM = 1.5;
 
@@ -54,6 +56,11 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
                        MonotonicTime clock) {
   if (busy() && order.command.id != command_.id) {
     end(CommandState::superseded, "a newer goal came from " + order.command.issuer);
+  }
+  if (order.command.id !=
+      command_.id) {  // A new path for the same goal goes on with its manoeuvre.
+    times_backed_up_ = 0;
+    backing_from_m_.reset();
   }
   command_ = order.command;
   if (to_ms(clock) >= command_.expires_clock_ms) {
@@ -136,6 +143,10 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
   VehicleLimits limits = config_.limits;
   limits.radius_m = std::max(0.0, limits.radius_m - config_.margin_m);
   const LocalView view(cells, cell_size_mm, min_probability, place_m, config_.look_m + 1.0, limits);
+  if (backing_from_m_) {
+    if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
+    backing_from_m_.reset();
+  }
   std::vector<Eigen::Vector2d> way = follower_->ahead();
   way.insert(way.begin(), place_m);
   const Ahead ahead = view.look_along(way, config_.look_m);
@@ -144,8 +155,9 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
     return {};
   }
   if (ahead.unknown_m >= config_.unknown_gap_m && ahead.known_m < config_.stop_short_m) {
-    block("the ground ahead cannot be seen: it may be a drop", clock);
-    return {};
+    const DriveCommand turning = follower_->steer(pose, 0.0);
+    if (turning.speed_m_s == 0.0 && turning.turn_rate_rad_s != 0.0) return turning;  // Look there.
+    return keep_off_unseen(pose, view, ahead.known_m, clock);
   }
   state_ = DriveState::driving;
   blocked_since_ = {};
@@ -154,6 +166,31 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
                                std::max(0.0, ahead.clear_m - config_.stop_short_m * 0.5));
   if (ahead.unknown_m > 0.0) limit_m_s = std::min(limit_m_s, config_.unknown_speed_m_s);
   return follower_->steer(pose, std::max(limit_m_s, config_.follower.creep_m_s));
+}
+
+DriveCommand Driver::keep_off_unseen(const Pose& pose, const LocalView& view, double known_m,
+                                     MonotonicTime clock) {
+  if (times_backed_up_ < kMaxBackups) {
+    ++times_backed_up_;
+    backing_from_m_ = Eigen::Vector2d(pose.x_m, pose.y_m);
+    backing_m_ = config_.blind_m - known_m;
+    if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
+    backing_from_m_.reset();
+  }
+  block("the ground ahead cannot be seen: it may be a drop", clock);
+  return {};
+}
+
+DriveCommand Driver::back_up(const Pose& pose, const LocalView& view) {
+  const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
+  if ((place_m - *backing_from_m_).norm() >= backing_m_) return {};
+  const Eigen::Vector2d behind_m =
+      place_m -
+      config_.room_behind_m * Eigen::Vector2d(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad));
+  const Ahead behind = view.look_along({place_m, behind_m}, config_.room_behind_m);
+  if (behind.clear_m < config_.room_behind_m || behind.unknown_m > 0.0) return {};
+  state_ = DriveState::driving;
+  return {-config_.backing_speed_m_s, 0.0};
 }
 
 void Driver::block(std::string why, MonotonicTime clock) {

@@ -26,6 +26,11 @@ struct DriverConfig {
   double unknown_gap_m = 0.6;  ///< [m] A stretch of unseen ground this long may be a drop: stop.
   double unknown_speed_m_s = 0.25;  ///< [m/s] Where some ground ahead is unseen.
   double max_tilt_rad = 0.45;       ///< [rad] Beyond it the robot stops.
+  /// [m] Nearer than this ahead the tilted laser cannot see the ground: to see what was hidden until
+  /// now the robot backs up until it is this far away.
+  double blind_m = 1.7;
+  double backing_speed_m_s = 0.2;
+  double room_behind_m = 0.5;  ///< [m] Known, open ground that backing up needs.
 };
 
 /// Carries out commands: one at a time, newest wins. Stops by itself when the command expires, when
@@ -63,6 +68,9 @@ class Driver {
                                                          std::optional<Duration> silence);
   DriveCommand follow(const Pose& pose, const CellLookup& cells, int cell_size_mm,
                       std::uint8_t min_probability, MonotonicTime clock);
+  DriveCommand keep_off_unseen(const Pose& pose, const LocalView& view, double known_m,
+                               MonotonicTime clock);
+  DriveCommand back_up(const Pose& pose, const LocalView& view);
   void arrive();
 
   DriverConfig config_;
@@ -72,7 +80,10 @@ class Driver {
   std::size_t path_points_ = 0;
   MonotonicTime blocked_since_{};
   bool blocked_reported_ = false;
-  std::vector<proto::CommandReport> reports_;  ///< Bounded: emptied at every step.
+  std::optional<Eigen::Vector2d> backing_from_m_;  ///< Where it began to back up, if it does.
+  double backing_m_ = 0.0;                         ///< How far it wants to.
+  int times_backed_up_ = 0;                        ///< For this command.
+  std::vector<proto::CommandReport> reports_;      ///< Bounded: emptied at every step.
 };
 
 }  // namespace cairn::agent

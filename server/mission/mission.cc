@@ -225,9 +225,18 @@ void Mission::reported(Robot& robot, const proto::CommandReport& report) {
   if (!goal.active() || report.revision < goal.command.revision) return;  // Of an older path.
   goal.state = name_of(report.state);
   goal.why = report.why;
-  goal.wants_plan = report.state == proto::CommandState::blocked;
   spdlog::info("robot {}: command {} {}{}{}", robot.id, report.command, goal.state,
                report.why.empty() ? "" : ": ", report.why);
+  goal.wants_plan = report.state == proto::CommandState::blocked;
+  if (goal.wants_plan) count_blockade(robot, goal);
+}
+
+void Mission::count_blockade(Robot& robot, Goal& goal) {
+  const Eigen::Vector2d place_m(robot.x_m(), robot.y_m());
+  const bool same_place = (place_m - goal.blocked_at_m).norm() <= kSamePlaceM;
+  goal.times_blocked_here = same_place ? goal.times_blocked_here + 1 : 1;
+  if (!same_place) goal.blocked_at_m = place_m;
+  if (goal.times_blocked_here >= kMaxBlockades) give_up(robot, goal, goal.why);
 }
 
 void Mission::check(Robot& robot, Goal& goal) {

@@ -48,6 +48,10 @@ class Mission : public std::enable_shared_from_this<Mission> {
   static constexpr double kCheckShare = 0.2;
   /// Paths sent for one goal; beyond it the mission gives up and says so.
   static constexpr std::uint32_t kMaxRevisions = 200;
+  /// A robot that reports this often that it is blocked, at one place, has no way on from there.
+  static constexpr int kMaxBlockades = 8;
+  /// [m] Within it, it is one place.
+  static constexpr double kSamePlaceM = 0.5;
 
  private:
   struct Goal {
@@ -58,8 +62,10 @@ class Mission : public std::enable_shared_from_this<Mission> {
     bool allow_partial = false;
     MonotonicTime expires{};
     std::vector<Eigen::Vector2d> path_m;
-    bool planning = false;          ///< A plan is being made on another thread.
-    bool wants_plan = false;        ///< The robot is blocked.
+    bool planning = false;    ///< A plan is being made on another thread.
+    bool wants_plan = false;  ///< The robot is blocked.
+    Eigen::Vector2d blocked_at_m = Eigen::Vector2d::Constant(1e9);
+    int times_blocked_here = 0;
     std::uint64_t checked_map = 0;  ///< Snapshot version that the path was last checked on.
     MonotonicTime next_check{};
     [[nodiscard]] bool active() const {
@@ -83,6 +89,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void send(Robot& robot, Goal& goal);
   void check(Robot& robot, Goal& goal);
   void replanned(const std::string& robot, std::uint64_t command, const Planned& planned);
+  void count_blockade(Robot& robot, Goal& goal);
   void give_up(Robot& robot, Goal& goal, const std::string& why);
   void tick();
 

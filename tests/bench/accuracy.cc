@@ -54,8 +54,11 @@ void try_once(const agent::World& world, std::uint64_t seed, Methods& methods) {
   const HeightMap short_term = test::sampled_map(height, robot, once_seen, kCellMm, random);
 
   RegistrationPrior prior;
-  prior.T_site_submap = {robot.x_m + 0.8 * one(random), robot.y_m + 0.8 * one(random),
-                         robot.z_m + 0.1 * one(random), 0.0, 0.0,
+  prior.T_site_submap = {robot.x_m + 0.8 * one(random),
+                         robot.y_m + 0.8 * one(random),
+                         robot.z_m + 0.1 * one(random),
+                         0.0,
+                         0.0,
                          robot.yaw_rad + radians(8.0) * one(random)};
   prior.covariance = Eigen::Vector4d(0.21, 0.21, 0.01, 0.0065).asDiagonal();
   RegistrationConfig config;
@@ -73,11 +76,19 @@ void try_once(const agent::World& world, std::uint64_t seed, Methods& methods) {
 }
 
 void report_world(const std::string& name, const Methods& m, Report& report) {
-  report.add({name + ", position, RMS", m.cairn.rms_cm(), "cm", Better::lower, 1.0,
+  report.add({name + ", position, RMS",
+              m.cairn.rms_cm(),
+              "cm",
+              Better::lower,
+              1.0,
               {{"prior", m.prior.rms_cm()},
                {"best cell", m.best_cell.rms_cm()},
                {"thesis (T4.3.3)", m.thesis.rms_cm()}}});
-  report.add({name + ", yaw, RMS", m.cairn.rms_deg(), "°", Better::lower, 0.1,
+  report.add({name + ", yaw, RMS",
+              m.cairn.rms_deg(),
+              "°",
+              Better::lower,
+              0.1,
               {{"prior", m.prior.rms_deg()},
                {"best cell", m.best_cell.rms_deg()},
                {"thesis (T4.3.3)", m.thesis.rms_deg()}}});

@@ -1,7 +1,8 @@
 // How fast a short-term map is tried at every place of the window, against OpenCV's template
 // matching of the same maps, and the wide search by branch and bound against trying everything.
 
-#include <cstring>
+#include "core/localization/registration.h"
+
 #include <iostream>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -9,7 +10,7 @@
 #include <random>
 
 #include "core/common/angle.h"
-#include "core/localization/registration.h"
+#include "core/localization/problem.h"
 #include "core/localization/wide_search.h"
 #include "robot_agent/input/world.h"
 #include "tests/bench/cpu_time.h"
@@ -36,11 +37,12 @@ Maps maps_of(const agent::World& world) {
   const WorldHeight height(world.surface);
   const Pose origin;
   const Pose robot{world.start.x_m, world.start.y_m, 0.02, 0.0, 0.0, radians(3.2)};
-  Maps maps{test::sampled_map(height, origin, {.half_cells = 240, .noise_m = 0.02}, kCellMm, random),
-            test::sampled_map(height, robot,
-                              {.hits_per_cell = 3, .noise_m = 0.03, .known_share = 0.7, .fan = true},
-                              kCellMm, random),
-            {}};
+  Maps maps{
+      test::sampled_map(height, origin, {.half_cells = 240, .noise_m = 0.02}, kCellMm, random),
+      test::sampled_map(height, robot,
+                        {.hits_per_cell = 3, .noise_m = 0.03, .known_share = 0.7, .fan = true},
+                        kCellMm, random),
+      {}};
   maps.prior.T_site_submap = {robot.x_m - 0.31, robot.y_m + 0.22, 0.0, 0.0, 0.0, 0.0};
   return maps;
 }
@@ -114,9 +116,12 @@ void add_narrow(const Maps& maps, Report& report) {
   report.add({"times faster than OpenCV", opencv * 1e3 / time.value, "x", Better::higher, 10.0});
   report.add(time);
   report.add({"same sums as the portable search", same ? 1.0 : 0.0, "", Better::higher, 1.0});
-  report.add({"whole registration", 1e3 * least_cpu_s(kRuns, [&] {
-                keep(register_map(maps.short_term, maps.prior, maps.long_term, {}));
-              }), "ms"});
+  report.add(
+      {"whole registration",
+       1e3 *
+           least_cpu_s(
+               kRuns, [&] { keep(register_map(maps.short_term, maps.prior, maps.long_term, {})); }),
+       "ms"});
 }
 
 void add_wide(const Maps& maps, const std::string& where, std::optional<double> goal,
@@ -140,8 +145,8 @@ void add_wide(const Maps& maps, const std::string& where, std::optional<double> 
               "x",
               Better::lower,
               goal,
-              {{"trying every place", search_s(large, fastest_kernels(), 1) /
-                                          search_s(small, fastest_kernels())}}});
+              {{"trying every place",
+                search_s(large, fastest_kernels(), 1) / search_s(small, fastest_kernels())}}});
   report.add({"exact, " + where, exact ? 1.0 : 0.0, "", Better::higher, 1.0});
 }
 
