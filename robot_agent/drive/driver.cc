@@ -154,31 +154,33 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
     block(in_metres("something closes the way %.1f m ahead", ahead.clear_m), clock);
     return {};
   }
-  if (ahead.unknown_m >= config_.unknown_gap_m && ahead.known_m < config_.stop_short_m) {
-    const DriveCommand turning = follower_->steer(pose, 0.0);
-    if (turning.speed_m_s == 0.0 && turning.turn_rate_rad_s != 0.0) return turning;  // Look there.
-    return keep_off_unseen(pose, view, ahead.known_m, clock);
+  if (ahead.gap && ahead.gap->from_m < config_.stop_short_m) {
+    if (const auto command = before_gap(pose, view, *ahead.gap, clock)) return *command;
   }
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
   double limit_m_s = std::sqrt(2.0 * config_.follower.deceleration_m_s2 *
                                std::max(0.0, ahead.clear_m - config_.stop_short_m * 0.5));
-  if (ahead.unknown_m > 0.0) limit_m_s = std::min(limit_m_s, config_.unknown_speed_m_s);
+  if (ahead.known_m < config_.cautious_m)
+    limit_m_s = std::min(limit_m_s, config_.unknown_speed_m_s);
   return follower_->steer(pose, std::max(limit_m_s, config_.follower.creep_m_s));
 }
 
-DriveCommand Driver::keep_off_unseen(const Pose& pose, const LocalView& view, double known_m,
-                                     MonotonicTime clock) {
+std::optional<DriveCommand> Driver::before_gap(const Pose& pose, const LocalView& view,
+                                               const Gap& gap, MonotonicTime clock) {
+  const DriveCommand turning = follower_->steer(pose, 0.0);
+  if (turning.turn_rate_rad_s != 0.0) return turning;  // Look there first.
   if (times_backed_up_ < kMaxBackups) {
     ++times_backed_up_;
     backing_from_m_ = Eigen::Vector2d(pose.x_m, pose.y_m);
-    backing_m_ = config_.blind_m - known_m;
+    backing_m_ = config_.blind_m - gap.from_m;
     if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
     backing_from_m_.reset();
   }
+  if (gap.rise_m <= config_.crossable_slope * gap.length_m) return std::nullopt;
   block("the ground ahead cannot be seen: it may be a drop", clock);
-  return {};
+  return DriveCommand{};
 }
 
 DriveCommand Driver::back_up(const Pose& pose, const LocalView& view) {
@@ -188,7 +190,7 @@ DriveCommand Driver::back_up(const Pose& pose, const LocalView& view) {
       place_m -
       config_.room_behind_m * Eigen::Vector2d(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad));
   const Ahead behind = view.look_along({place_m, behind_m}, config_.room_behind_m);
-  if (behind.clear_m < config_.room_behind_m || behind.unknown_m > 0.0) return {};
+  if (behind.clear_m < config_.room_behind_m || behind.known_m < config_.room_behind_m) return {};
   state_ = DriveState::driving;
   return {-config_.backing_speed_m_s, 0.0};
 }

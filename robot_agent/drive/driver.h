@@ -21,13 +21,18 @@ struct DriverConfig {
   /// with, so that noise in a cell at the rim does not stop it.
   double margin_m = 0.1;
   double arrive_m = 0.06;      ///< [m] Nearer to the end than this is arrived.
-  double look_m = 1.2;         ///< [m] How far ahead the way is judged.
+  double look_m = 2.2;         ///< [m] How far ahead the way is judged.
   double stop_short_m = 0.45;  ///< [m] Distance kept from what closes the way.
-  double unknown_gap_m = 0.6;  ///< [m] A stretch of unseen ground this long may be a drop: stop.
+  /// [m] Within it of unseen ground the robot creeps at `unknown_speed_m_s`.
+  double cautious_m = 1.0;
+  /// [m/m] An unseen stretch that can be looked at from nowhere is crossed, creeping, when ground
+  /// has been seen on both sides and rises or falls no more than this along it. What else cannot be
+  /// seen may be a drop.
+  double crossable_slope = 0.25;
   double unknown_speed_m_s = 0.25;  ///< [m/s] Where some ground ahead is unseen.
   double max_tilt_rad = 0.45;       ///< [rad] Beyond it the robot stops.
-  /// [m] Nearer than this ahead the tilted laser cannot see the ground: to see what was hidden until
-  /// now the robot backs up until it is this far away.
+  /// [m] Nearer than this ahead the tilted laser cannot see the ground: to see what was hidden
+  /// until now the robot backs up until it is this far away.
   double blind_m = 1.7;
   double backing_speed_m_s = 0.2;
   double room_behind_m = 0.5;  ///< [m] Known, open ground that backing up needs.
@@ -68,8 +73,9 @@ class Driver {
                                                          std::optional<Duration> silence);
   DriveCommand follow(const Pose& pose, const CellLookup& cells, int cell_size_mm,
                       std::uint8_t min_probability, MonotonicTime clock);
-  DriveCommand keep_off_unseen(const Pose& pose, const LocalView& view, double known_m,
-                               MonotonicTime clock);
+  /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it may be crossed.
+  std::optional<DriveCommand> before_gap(const Pose& pose, const LocalView& view, const Gap& gap,
+                                         MonotonicTime clock);
   DriveCommand back_up(const Pose& pose, const LocalView& view);
   void arrive();
 

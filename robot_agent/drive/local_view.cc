@@ -27,6 +27,24 @@ HeightGrid gather(const CellLookup& cells, int cell_size_mm, std::uint8_t min_pr
   return std::move(*grid);
 }
 
+/// Evenly spaced places along a path, the first at its beginning.
+std::vector<Eigen::Vector2d> places_along(const std::vector<Eigen::Vector2d>& path_m, double step_m,
+                                          double distance_m) {
+  std::vector<Eigen::Vector2d> places_m;
+  double begin_m = 0.0;  // Way to the beginning of the leg.
+  for (std::size_t i = 0; i + 1 < path_m.size() && begin_m <= distance_m; ++i) {
+    const Eigen::Vector2d leg = path_m[i + 1] - path_m[i];
+    const double end_m = begin_m + leg.norm();
+    for (;;) {
+      const double way_m = static_cast<double>(places_m.size()) * step_m;
+      if (way_m >= end_m || way_m > distance_m) break;
+      places_m.push_back(path_m[i] + leg * ((way_m - begin_m) / (end_m - begin_m)));
+    }
+    begin_m = end_m;
+  }
+  return places_m;
+}
+
 PlannerConfig local_config(const VehicleLimits& limits) {
   PlannerConfig config;
   config.limits = limits;
@@ -59,32 +77,39 @@ bool LocalView::known_at(const Eigen::Vector2d& p_m) const {
          grid_.classes[grid_.heights.at(cell)] != CellClass::unknown;
 }
 
+double LocalView::height_m(const Eigen::Vector2d& p_m) const {
+  return grid_.heights.height_mm[grid_.heights.at(cell_at(p_m))] / 1000.0;
+}
+
 Ahead LocalView::look_along(const std::vector<Eigen::Vector2d>& path_m, double distance_m) const {
   const double step_m = grid_.heights.cell_size_mm / 2000.0;
-  Ahead ahead{.clear_m = distance_m, .unknown_m = 0.0, .known_m = distance_m};
-  const double judged_from_m = path_m.empty() || open_at(path_m.front()) ? 0.0 : radius_m_;
-  double way_m = 0.0;
-  double unknown_m = 0.0;
-  for (std::size_t i = 0; i + 1 < path_m.size(); ++i) {
-    const Eigen::Vector2d leg = path_m[i + 1] - path_m[i];
-    const int steps = std::max(1, static_cast<int>(std::ceil(leg.norm() / step_m)));
-    for (int k = 0; k < steps; ++k) {
-      const Eigen::Vector2d p_m = path_m[i] + leg * (static_cast<double>(k) / steps);
-      if (way_m > distance_m) return ahead;
-      if (way_m >= judged_from_m && !open_at(p_m)) {
-        ahead.clear_m = way_m;
-        return ahead;
-      }
-      if (!known_at(p_m)) {
-        ahead.known_m = std::min(ahead.known_m, way_m);
-        unknown_m += leg.norm() / steps;
-        ahead.unknown_m = std::max(ahead.unknown_m, unknown_m);
-      } else {
-        unknown_m = 0.0;
-      }
-      way_m += leg.norm() / steps;
+  const std::vector<Eigen::Vector2d> places_m = places_along(path_m, step_m, distance_m);
+  const double judged_from_m = places_m.empty() || open_at(places_m.front()) ? 0.0 : radius_m_;
+  Ahead ahead{.clear_m = distance_m, .known_m = distance_m, .gap = {}};
+  Gap gap;
+  std::optional<double> ground_m;  // Height of the last ground seen.
+  for (std::size_t i = 0; i < places_m.size(); ++i) {
+    const double way_m = static_cast<double>(i) * step_m;
+    if (way_m >= judged_from_m && !open_at(places_m[i])) {
+      ahead.clear_m = way_m;
+      break;
     }
+    if (!known_at(places_m[i])) {
+      ahead.known_m = std::min(ahead.known_m, way_m);
+      if (gap.length_m == 0.0) gap.from_m = way_m;
+      gap.length_m += step_m;
+      continue;
+    }
+    const double height_m = this->height_m(places_m[i]);
+    if (gap.length_m >= kGapM) {
+      if (ground_m) gap.rise_m = std::abs(height_m - *ground_m);
+      ahead.gap = gap;
+      return ahead;
+    }
+    gap = {};
+    ground_m = height_m;
   }
+  if (gap.length_m >= kGapM) ahead.gap = gap;
   return ahead;
 }
 

@@ -2,6 +2,9 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include "core/map/cell.h"
 #include "core/planner/plan.h"
@@ -11,11 +14,19 @@ namespace cairn::agent {
 /// What the driver may look at: the robot's own map, cell by cell.
 using CellLookup = std::function<Cell(CellIndex)>;
 
+/// A stretch of the way that nobody has seen.
+struct Gap {
+  double from_m = 0.0;    ///< Way to its beginning.
+  double length_m = 0.0;  ///< As far as it was looked at.
+  /// Difference in height of the ground on both sides; infinite where a side is not seen.
+  double rise_m = std::numeric_limits<double>::infinity();
+};
+
 /// What lies on the way just ahead.
 struct Ahead {
   double clear_m = 0.0;    ///< Way along the path until something closes it.
-  double unknown_m = 0.0;  ///< Longest stretch of unseen ground within the look-ahead.
   double known_m = 0.0;    ///< Way along the path until the first unseen ground.
+  std::optional<Gap> gap;  ///< The first unseen stretch of kGapM or more before that.
 };
 
 /// Looks along a path on the robot's own map, from what the lasers have seen so far.
@@ -30,9 +41,14 @@ class LocalView {
   [[nodiscard]] Ahead look_along(const std::vector<Eigen::Vector2d>& path_m,
                                  double distance_m) const;
 
+  /// [m] Shorter unseen stretches are gaps between beams; a longer one may hide a drop.
+  static constexpr double kGapM = 0.6;
+
  private:
   [[nodiscard]] bool open_at(const Eigen::Vector2d& p_m) const;
   [[nodiscard]] bool known_at(const Eigen::Vector2d& p_m) const;
+  /// Requires: known_at(p_m).
+  [[nodiscard]] double height_m(const Eigen::Vector2d& p_m) const;
   [[nodiscard]] CellIndex cell_at(const Eigen::Vector2d& p_m) const;
 
   DrivableGrid grid_;

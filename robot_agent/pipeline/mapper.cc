@@ -26,7 +26,9 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       last_yaw_rad_(T_site_start.yaw_rad) {}
 
 void Mapper::take_motion(const MotionReading& reading) {
+  const Pose before = pose();
   if (!dead_reckoning_.update(reading)) return;
+  watch_incline(before, reading.stamp);
   submap_turned_rad_ += std::abs(wrap_angle(pose().yaw_rad - last_yaw_rad_));
   last_yaw_rad_ = pose().yaw_rad;
   if (open_ != nullptr &&
@@ -38,16 +40,32 @@ void Mapper::take_motion(const MotionReading& reading) {
   touch_ground();
 }
 
+void Mapper::watch_incline(const Pose& before, MonotonicTime stamp) {
+  const double dt_s = to_seconds(stamp - std::exchange(last_motion_, stamp));
+  if (dt_s <= 0.0) return;
+  const double change_rad =
+      std::hypot(pose().roll_rad - before.roll_rad, pose().pitch_rad - before.pitch_rad);
+  const double fading = incline_error_rad_ * std::exp(-dt_s / config_.incline_lag_s);
+  incline_error_rad_ = fading + change_rad * (1.0 - std::exp(-dt_s / config_.incline_lag_s)) *
+                                    config_.incline_lag_s / dt_s;
+}
+
+double Mapper::trusted_range_m(const LaserSpec& laser) const {
+  if (laser.ground_along_beam) return config_.mapping_range_m;  // A plane world has no incline.
+  return std::min(config_.mapping_range_m,
+                  config_.height_sigma_m / (config_.incline_sigma_rad + incline_error_rad_));
+}
+
 void Mapper::take_scan(const Scan& scan) {
   if (scan.laser >= lasers_.size()) return;
   if (open_ == nullptr) begin_submap();
   const LaserSpec& laser = lasers_[scan.laser];
-  std::vector<Beam> beams = beams_in_site(scan, laser, pose_in_submap(), config_.mapping_range_m);
-  const double range2 = config_.mapping_range_m * config_.mapping_range_m;
+  const double range_m = trusted_range_m(laser);
+  std::vector<Beam> beams = beams_in_site(scan, laser, pose_in_submap(), range_m);
   for (Beam& beam : beams) {  // Far hits still tell that the way to them is free.
     const Eigen::Vector3d along = beam.end_m - beam.origin_m;
-    if (!beam.hit || along.squaredNorm() <= range2) continue;
-    beam.end_m = beam.origin_m + along.normalized() * config_.mapping_range_m;
+    if (!beam.hit || along.squaredNorm() <= range_m * range_m) continue;
+    beam.end_m = beam.origin_m + along.normalized() * range_m;
     beam.hit = false;
   }
   integrate(beams, laser.ground_along_beam);

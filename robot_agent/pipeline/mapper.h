@@ -18,6 +18,13 @@ struct MapperConfig {
   DeadReckoningConfig dead_reckoning;
   /// [m] Beams count this far: beyond it the error of the inclinometer exceeds a kerb's height.
   double mapping_range_m = 15.0;
+  /// [rad] Error of roll and pitch while they do not change.
+  double incline_sigma_rad = 0.004;
+  /// [s] They lag this far behind while they do (T3.2); what is left of it fades at the same pace.
+  double incline_lag_s = 0.4;
+  /// [m] Beams also count no further than to where that error lifts their hits by this much: less
+  /// than half a step, so that it makes no obstacles out of slopes.
+  double height_sigma_m = 0.06;
   double submap_distance_m = 8.0;         ///< [m] A submap is closed after this much way
   double submap_turn_rad = 4.0 * 3.1416;  ///< [rad] or this much turning.
   /// [m] Half length and half width of the wheel base: where the wheels stand is ground.
@@ -53,6 +60,8 @@ class Mapper {
   static constexpr double kKeepRadiusM = 150.0;
 
  private:
+  void watch_incline(const Pose& before, MonotonicTime stamp);
+  [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
   void begin_submap();
   void close_submap();
   void make_reference();
@@ -76,6 +85,8 @@ class Mapper {
   double submap_begin_m_ = 0.0;
   double submap_turned_rad_ = 0.0;
   double last_yaw_rad_ = 0.0;
+  double incline_error_rad_ = 0.0;  ///< Beyond incline_sigma_rad.
+  MonotonicTime last_motion_{};
   std::optional<CellIndex> last_touch_;
   bool apron_laid_ = false;
   std::int64_t beams_ = 0;
