@@ -66,9 +66,11 @@ MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& 
   problem.min_overlap = static_cast<std::uint32_t>(
       std::max(config.min_overlap * known, static_cast<double>(config.min_overlap_cells)));
   if (config.mode == RegistrationMode::cairn) {
-    const int reach = ground_reach(long_term, config);
-    clip_faces(problem.short_term, lowest_around(problem.short_term, reach), config.face_mm);
-    clip_faces(problem.long_term, lowest_around(problem.long_term, reach), config.face_mm);
+    const GroundSearch search = ground_search(long_term, config);
+    clip_faces(problem.short_term, ground_under(problem.short_term, search), config.face_mm);
+    const std::vector<std::int16_t> ground = ground_under(problem.long_term, search);
+    clip_faces(problem.long_term, ground, config.face_mm);
+    make_ridges(problem.long_term, ground, config.face_mm);
   }
   return problem;
 }
@@ -131,8 +133,9 @@ Pose robot_pose(const RegistrationPrior& prior, const Pose& T_site_submap) {
   return from_transform(to_transform(level) * to_transform(prior.T_submap_robot));
 }
 
-int ground_reach(const HeightMap& map, const RegistrationConfig& config) {
-  return static_cast<int>(std::lround(config.ground_reach_m / map.cell_size_m()));
+GroundSearch ground_search(const HeightMap& map, const RegistrationConfig& config) {
+  const auto cells = [&](double m) { return static_cast<int>(std::lround(m / map.cell_size_m())); };
+  return {cells(config.ground_reach_m), cells(config.far_ground_reach_m), config.ground_rise_mm};
 }
 
 }  // namespace cairn

@@ -27,7 +27,7 @@ namespace cairn {
 [[nodiscard]] Pose submap_pose(const RegistrationPrior& prior, const RobotPlace& place);
 [[nodiscard]] Pose robot_pose(const RegistrationPrior& prior, const Pose& T_site_submap);
 
-/// [cells] RegistrationConfig::ground_reach_m.
-[[nodiscard]] int ground_reach(const HeightMap& map, const RegistrationConfig& config);
+/// In cells of the map.
+[[nodiscard]] GroundSearch ground_search(const HeightMap& map, const RegistrationConfig& config);
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #include "core/localization/refine.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -37,47 +38,6 @@ struct Corners {
   double h00, h10, h01, h11;
 };
 
-double range_of(const Corners& c) {
-  return std::max({c.h00, c.h10, c.h01, c.h11}) - std::min({c.h00, c.h10, c.h01, c.h11});
-}
-
-/// Whether the cells around (x, y) that stand as high as a face are few: a line of them, not the
-/// top of something.
-bool is_thin(const LongTermRelief& relief, int x, int y, int lowest_mm) {
-  constexpr int kReach = 2;
-  constexpr int kThin = 11;  // Of 25: two rows of five and one; half of a top would be 15.
-  const MatchRaster& map = relief.heights;
-  int high = 0;
-  for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, map.height - 1); ++v) {
-    for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, map.width - 1); ++u) {
-      high += map.known(u, v) && map.at(u, v) > lowest_mm ? 1 : 0;
-    }
-  }
-  return high <= kThin;
-}
-
-/// Nothing is known behind a face that was only seen from in front. Its cells then stand as a ridge
-/// between the ground on both sides, so that cells of the same face are drawn onto it from either
-/// side; left out, those behind it would be missed and all others pull the map into the face.
-std::optional<Corners> ridge_corners(const LongTermRelief& relief, int x, int y) {
-  const MatchRaster& map = relief.heights;
-  if (relief.ground.empty()) return std::nullopt;
-  double height[4];
-  bool face = false;
-  for (int i = 0; i < 4; ++i) {
-    const int u = x + i % 2;
-    const int v = y + i / 2;
-    const int ground_mm = relief.ground[map.index(u, v)];
-    if (ground_mm == map.unknown) return std::nullopt;
-    height[i] = map.known(u, v) ? map.at(u, v) : ground_mm;
-    const int lowest_mm = ground_mm + relief.face_mm / 2;
-    if (height[i] <= lowest_mm) continue;
-    if (!is_thin(relief, u, v, lowest_mm)) return std::nullopt;
-    face = true;
-  }
-  return face ? std::optional(Corners{height[0], height[1], height[2], height[3]}) : std::nullopt;
-}
-
 std::optional<Corners> corners_at(const LongTermRelief& relief, int x, int y) {
   const MatchRaster& map = relief.heights;
   if (x < 0 || y < 0 || x + 1 >= map.width || y + 1 >= map.height) return std::nullopt;
@@ -86,7 +46,7 @@ std::optional<Corners> corners_at(const LongTermRelief& relief, int x, int y) {
                    static_cast<double>(map.at(x, y + 1)),
                    static_cast<double>(map.at(x + 1, y + 1))};
   }
-  return ridge_corners(relief, x, y);
+  return std::nullopt;
 }
 
 std::optional<Surface> surface_at(const LongTermRelief& relief, double x_cells, double y_cells) {
@@ -101,8 +61,7 @@ std::optional<Surface> surface_at(const LongTermRelief& relief, double x_cells, 
   const double h01 = corners->h01 - h00;
   const double h11 = corners->h11 - h00 - h10 - h01;
   return Surface{h00 + h10 * u + h01 * v + h11 * u * v, (h10 + h11 * v) / relief.cell_m,
-                 (h01 + h11 * u) / relief.cell_m,
-                 std::max(relief_mm(relief.heights, x, y), range_of(*corners))};
+                 (h01 + h11 * u) / relief.cell_m, relief_mm(relief.heights, x, y)};
 }
 
 /// The normal equations at one place, and how well it fits there.
@@ -192,6 +151,33 @@ double opinion_share(const Normal& normal, const RefineConfig& config) {
   return 1.0 / (config.cells_per_opinion * misfit);
 }
 
+/// What the match says in the directions that it shows at all: noise of the heights looks like a
+/// little information in every direction (solution remapping, Zhang et al. 2016).
+struct Evidence {
+  Eigen::Matrix4d information;
+  Eigen::Vector4d pull;
+};
+
+Evidence observable_part(const Normal& normal, const RefineConfig& config) {
+  constexpr double kLeverM = 3.0;  // A turn moves what lies this far away; makes units alike.
+  const Eigen::Vector4d scale(1.0, 1.0, 1.0, kLeverM);
+  const double share = opinion_share(normal, config);
+  const Eigen::Matrix4d H =
+      share * scale.cwiseInverse().asDiagonal() * normal.H * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(H);
+  const double least = 1.0 / (config.blind_sigma_m * config.blind_sigma_m);
+  Eigen::Matrix4d seen = Eigen::Matrix4d::Zero();
+  Eigen::Matrix4d kept = Eigen::Matrix4d::Zero();
+  for (int i = 0; i < 4; ++i) {
+    if (eigen.eigenvalues()[i] < least) continue;
+    const Eigen::Vector4d axis = eigen.eigenvectors().col(i);
+    seen += axis * axis.transpose();
+    kept += eigen.eigenvalues()[i] * axis * axis.transpose();
+  }
+  const Eigen::Vector4d b = share * scale.cwiseInverse().cwiseProduct(normal.b);
+  return {scale.asDiagonal() * kept * scale.asDiagonal(), scale.cwiseProduct(seen * b)};
+}
+
 RobotPlace difference(const RobotPlace& a, const RobotPlace& b) {
   RobotPlace d = a - b;
   d[3] = wrap_angle(d[3]);
@@ -222,9 +208,9 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   for (int i = 0; i < config.max_iterations; ++i) {
     const Normal normal = normal_at(cells, long_term, place, config);
     if (normal.overlap == 0) return std::nullopt;
-    const double share = opinion_share(normal, config);
-    const Eigen::Matrix4d H = share * normal.H + prior_information;
-    const Eigen::Vector4d b = share * normal.b - prior_information * difference(place, prior);
+    const Evidence evidence = observable_part(normal, config);
+    const Eigen::Matrix4d H = evidence.information + prior_information;
+    const Eigen::Vector4d b = evidence.pull - prior_information * difference(place, prior);
     const RobotPlace step = limited(H.ldlt().solve(b));
     if (!step.allFinite()) return std::nullopt;
     place += step;
@@ -235,7 +221,7 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   Refinement result;
   result.place = place;
   result.place[3] = wrap_angle(place[3]);
-  result.information = opinion_share(normal, config) * normal.H;
+  result.information = observable_part(normal, config).information;
   result.covariance = (result.information + prior_information).inverse();
   result.overlap = normal.overlap;
   result.inliers = static_cast<double>(normal.inliers) / static_cast<double>(normal.overlap);

@@ -19,7 +19,7 @@ struct ShortTermCell {
 /// The long-term map around the robot with what refinement asks of it.
 struct LongTermRelief {
   MatchRaster heights;
-  std::vector<std::int16_t> ground;  ///< As from lowest_around; empty: faces are not clipped.
+  std::vector<std::int16_t> ground;  ///< As from ground_under; empty: faces are not clipped.
   int face_mm = 0;                   ///< As in clip_faces.
   double cell_m = 0.0;
 };
@@ -33,6 +33,8 @@ struct RefineConfig {
   double noise_relief_mm = 40.0;
   /// [-] Neighbouring cells err together: this many count as one.
   double cells_per_opinion = 5.0;
+  /// [m] What the match alone shows worse than this, it does not show: the prior stays.
+  double blind_sigma_m = 0.05;
   int max_iterations = 30;
 };
 

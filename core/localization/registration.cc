@@ -54,6 +54,11 @@ Eigen::Matrix4d floored(const Eigen::Matrix4d& covariance, const RegistrationCon
          Eigen::Matrix4d(floor.cwiseProduct(floor).asDiagonal());
 }
 
+/// What is left of a difference between places when either may be off by a step of the search.
+RobotPlace beyond(const RobotPlace& d, const RobotPlace& step) {
+  return d.array().sign().matrix().cwiseProduct((d.cwiseAbs() - step).cwiseMax(0.0));
+}
+
 /// One registration's way from problem to answer.
 class Registering {
  public:
@@ -256,8 +261,12 @@ class Registering {
     for (const Candidate& other : equals) {
       if (same_basin(start, other)) continue;
       RobotPlace d = place_of(other) - match.place;
-      d[2] = 0.0;
       d[3] = wrap_angle(d[3]);
+      const double cell_m = long_term_.cell_size_m();
+      d = beyond(d, {cell_m, cell_m, 0.0, problem_.yaw_step_rad});
+      d[2] = 0.0;  // The other place's z is the one that suits it best.
+      const double z_information = match.information(2, 2);
+      if (z_information > 0.0) d[2] = -match.information.row(2).dot(d) / z_information;
       const bool told_apart = d.dot(match.information * d) > kSure;
       if (told_apart && distance2(place_of(other)) < distance2(match.place) + kAgainst) return true;
     }
@@ -286,7 +295,7 @@ class Registering {
 
   [[nodiscard]] LongTermRelief relief_around() const {
     LongTermRelief relief{problem_.long_term, {}, config_.face_mm, long_term_.cell_size_m()};
-    relief.ground = lowest_around(relief.heights, ground_reach(long_term_, config_));
+    relief.ground = ground_under(relief.heights, ground_search(long_term_, config_));
     return relief;
   }
 

@@ -30,6 +30,9 @@ struct RegistrationConfig {
   int face_mm = 350;
   /// [m] The ground that a face stands on is looked for this far around it.
   double ground_reach_m = 0.75;
+  /// [m] Beside a wall often no ground was seen: so far around another is looked for,
+  double far_ground_reach_m = 2.0;
+  int ground_rise_mm = 350;  ///< [mm] which counts when it is lower than ground can be there.
   RefineConfig refine;
 
   // What makes a match acceptable.

@@ -1,0 +1,365 @@
+#include "robot_agent/drive/driver.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/robot_agent/drive/rolling_robot.h"
+
+namespace cairn::agent {
+namespace {
+
+using proto::CommandKind;
+using proto::CommandReport;
+using proto::CommandState;
+using proto::DriveState;
+using proto::OnLinkLoss;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr int kCellMm = 125;
+constexpr double kCellM = 0.125;
+
+proto::RobotLink::Order go_to(std::uint64_t id, std::vector<Eigen::Vector2d> path_m,
+                              std::uint32_t revision = 1) {
+  proto::RobotLink::Order order;
+  order.command.id = id;
+  order.command.revision = revision;
+  order.command.kind = CommandKind::go_to;
+  order.command.issuer = "Ada";
+  order.command.expires_clock_ms = 1'000'000;
+  order.command.on_link_loss = OnLinkLoss::stop;
+  order.command.link_timeout_ms = 5'000;
+  for (const Eigen::Vector2d& p : path_m) {
+    order.path.push_back({static_cast<std::int32_t>(std::lround(p.x() * 1000.0)),
+                          static_cast<std::int32_t>(std::lround(p.y() * 1000.0))});
+  }
+  order.command.path_points = static_cast<std::uint16_t>(order.path.size());
+  if (!order.path.empty()) {
+    order.command.goal_x_mm = order.path.back().x_mm;
+    order.command.goal_y_mm = order.path.back().y_mm;
+  }
+  return order;
+}
+
+proto::RobotLink::Order stop(std::uint64_t id, std::uint32_t revision = 1) {
+  proto::RobotLink::Order order;
+  order.command.id = id;
+  order.command.revision = revision;
+  order.command.kind = CommandKind::stop;
+  order.command.issuer = "Grace";
+  order.command.expires_clock_ms = 1'000'000;
+  return order;
+}
+
+/// A robot on flat ground, its driver, and everything that the driver reported.
+class DriverTest : public ::testing::Test {
+ protected:
+  Driver driver{DriverConfig{}};
+  Pose pose;
+  MonotonicTime clock = seconds(100);
+  std::optional<Duration> silence = Duration{};
+  CellLookup cells = [](CellIndex) { return Cell{0, 200}; };
+  std::vector<CommandReport> reports;
+  DriveCommand wheels;
+
+  void take(const proto::RobotLink::Order& order) {
+    driver.take(order, pose, clock);
+    listen();
+  }
+  void step() {
+    wheels = driver.step(pose, cells, kCellMm, 25, clock, silence);
+    testing::roll(pose, wheels);
+    clock += from_seconds(testing::kStepS);
+    listen();
+  }
+  void run(Duration time) {
+    for (const MonotonicTime end = clock + time; clock < end;) step();
+  }
+  [[nodiscard]] std::vector<CommandState> states() const {
+    std::vector<CommandState> states;
+    for (const CommandReport& report : reports) states.push_back(report.state);
+    return states;
+  }
+  void listen() {
+    for (CommandReport& report : driver.take_reports()) reports.push_back(std::move(report));
+  }
+  void wall_at(double x_m) {
+    cells = [x_m](CellIndex cell) { return Cell{cell.x * kCellM >= x_m ? 1000 : 0, 200}; };
+  }
+};
+
+TEST_F(DriverTest, StandsStillWithoutACommand) {
+  run(seconds(1));
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+  EXPECT_EQ(driver.state(), DriveState::idle);
+  EXPECT_THAT(reports, IsEmpty());
+}
+
+TEST_F(DriverTest, DrivesToTheGoalAndSaysSo) {
+  take(go_to(7, {{0, 0}, {3, 0}, {3, 2}}));
+  run(seconds(40));
+  EXPECT_LE((testing::place_of(pose) - Eigen::Vector2d(3, 2)).norm(), 0.06);
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::arrived));
+  EXPECT_EQ(reports.back().command, 7U);
+  EXPECT_EQ(reports.back().why, "");
+  EXPECT_EQ(driver.state(), DriveState::idle);
+  EXPECT_EQ(driver.command(), 0U);
+}
+
+TEST_F(DriverTest, SaysHowFarFromTheGoalAPathToTheNearestPlaceEnds) {
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {2, 0}});
+  order.command.goal_x_mm = 3500;
+  take(order);
+  run(seconds(20));
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+  EXPECT_THAT(reports.back().why, HasSubstr("1.5 m from the goal"));
+}
+
+TEST_F(DriverTest, ShowsWhatItDoesWhileItDrives) {
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  run(seconds(2));
+  EXPECT_EQ(driver.state(), DriveState::driving);
+  EXPECT_EQ(driver.command(), 7U);
+  EXPECT_NEAR(driver.to_go_m(), 5.0 - pose.x_m, 0.05);
+}
+
+TEST_F(DriverTest, RefusesAGoalWithoutAPath) {
+  take(go_to(7, {}));
+  EXPECT_THAT(states(), ElementsAre(CommandState::refused));
+  EXPECT_THAT(reports.back().why, HasSubstr("no path"));
+  EXPECT_FALSE(driver.busy());
+}
+
+TEST_F(DriverTest, DoesNotBeginWhatIsTooOld) {
+  clock = seconds(1000);
+  take(go_to(7, {{0, 0}, {3, 0}}));
+  run(seconds(1));
+  EXPECT_THAT(states(), ElementsAre(CommandState::expired));
+  EXPECT_EQ(pose.x_m, 0.0);
+}
+
+TEST_F(DriverTest, StopsWhenTheCommandExpiresOnTheWay) {
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {10, 0}});
+  order.command.expires_clock_ms = 103'000;
+  take(order);
+  run(seconds(4));
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::expired));
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+  EXPECT_EQ(driver.state(), DriveState::stopped);
+  EXPECT_LE(pose.x_m, 3.0 * DriverConfig{}.follower.max_speed_m_s + 1e-9);
+}
+
+TEST_F(DriverTest, StopsWhenTheLinkIsSilentForTooLong) {
+  take(go_to(7, {{0, 0}, {10, 0}}));
+  silence = milliseconds(5'001);
+  step();
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::stopped));
+  EXPECT_THAT(reports.back().why, HasSubstr("silent for 5.0 s"));
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+}
+
+TEST_F(DriverTest, BearsASilenceUpToTheTimeout) {
+  take(go_to(7, {{0, 0}, {10, 0}}));
+  silence = seconds(5);
+  step();
+  EXPECT_GT(wheels.speed_m_s, 0.0);
+}
+
+TEST_F(DriverTest, DrivesOnInSilenceWhenToldToProceed) {
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {3, 0}});
+  order.command.on_link_loss = OnLinkLoss::proceed;
+  take(order);
+  silence = seconds(600);
+  run(seconds(20));
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+}
+
+TEST_F(DriverTest, LeavesAGoalForANewerOne) {
+  take(go_to(7, {{0, 0}, {3, 0}}));
+  run(seconds(1));
+  take(go_to(8, {testing::place_of(pose), {0, 2}}));
+  run(seconds(30));
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::superseded,
+                                    CommandState::accepted, CommandState::arrived));
+  EXPECT_EQ(reports[1].command, 7U);
+  EXPECT_EQ(reports[3].command, 8U);
+  EXPECT_LE((testing::place_of(pose) - Eigen::Vector2d(0, 2)).norm(), 0.06);
+}
+
+TEST_F(DriverTest, TakesANewPathForTheSameGoalWithoutCallingItSuperseded) {
+  take(go_to(7, {{0, 0}, {3, 0}}));
+  run(seconds(1));
+  take(go_to(7, {testing::place_of(pose), {0, 2}}, 2));
+  run(seconds(30));
+  EXPECT_THAT(states(),
+              ElementsAre(CommandState::accepted, CommandState::accepted, CommandState::arrived));
+  EXPECT_EQ(reports.back().revision, 2U);
+}
+
+TEST_F(DriverTest, StopsAtOnceWhenTold) {
+  take(go_to(7, {{0, 0}, {10, 0}}));
+  run(seconds(2));
+  take(stop(8));
+  step();
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+  EXPECT_THAT(states(),
+              ElementsAre(CommandState::accepted, CommandState::superseded, CommandState::stopped));
+  EXPECT_EQ(reports[1].command, 7U);
+  EXPECT_EQ(reports[2].command, 8U);
+}
+
+TEST_F(DriverTest, IsCancelledByAHigherRevisionOfItsOwnCommand) {
+  take(go_to(7, {{0, 0}, {10, 0}}));
+  run(seconds(2));
+  take(stop(7, 2));
+  step();
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::stopped));
+  EXPECT_EQ(reports.back().command, 7U);
+  EXPECT_EQ(reports.back().revision, 2U);
+}
+
+TEST_F(DriverTest, AnswersAStopWhenItStandsAnyway) {
+  take(stop(8));
+  EXPECT_THAT(states(), ElementsAre(CommandState::stopped));
+}
+
+TEST_F(DriverTest, StopsShortOfAWallThatThePathDidNotKnow) {
+  wall_at(2.0);
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  run(seconds(20));
+  EXPECT_LT(pose.x_m, 2.0 - DriverConfig{}.limits.radius_m);
+  EXPECT_GT(pose.x_m, 0.5);
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+  EXPECT_EQ(driver.state(), DriveState::blocked);
+}
+
+TEST_F(DriverTest, ReportsAClosedWayOnceAndThenEveryThreeSeconds) {
+  wall_at(1.0);
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  run(seconds(1));
+  ASSERT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::blocked));
+  EXPECT_THAT(reports.back().why, HasSubstr("closes the way"));
+  run(milliseconds(2'000));
+  EXPECT_EQ(reports.size(), 2U);
+  run(milliseconds(7'000));
+  EXPECT_EQ(reports.size(), 5U);
+}
+
+TEST_F(DriverTest, SaysNothingOfAWayThatIsClosedForAMoment) {
+  wall_at(1.0);
+  take(go_to(7, {{0, 0}, {3, 0}}));
+  run(milliseconds(300));
+  cells = [](CellIndex) { return Cell{0, 200}; };
+  run(seconds(20));
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::arrived));
+}
+
+TEST_F(DriverTest, DrivesOnAlongANewPathAfterItWasBlocked) {
+  cells = [](CellIndex cell) {
+    const bool box = cell.x >= 12 && cell.x < 16 && std::abs(cell.y) < 3;
+    return Cell{box ? 1000 : 0, 200};
+  };
+  take(go_to(7, {{0, 0}, {4, 0}}));
+  run(seconds(10));
+  ASSERT_EQ(driver.state(), DriveState::blocked);
+  take(go_to(7, {testing::place_of(pose), {0.6, 2}, {4, 2}, {4, 0}}, 2));
+  run(seconds(60));
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+}
+
+TEST_F(DriverTest, StopsWhereTheGroundIsTooSteep) {
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  pose.roll_rad = -0.5;
+  step();
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+  EXPECT_EQ(reports.back().state, CommandState::stopped);
+  EXPECT_THAT(reports.back().why, HasSubstr("too steep"));
+}
+
+TEST_F(DriverTest, DoesNotDriveToAPathThatBeginsFarAway) {
+  take(go_to(7, {{5, 5}, {8, 5}}));
+  run(seconds(2));
+  EXPECT_EQ(testing::place_of(pose), Eigen::Vector2d(0, 0));
+  EXPECT_EQ(reports.back().state, CommandState::blocked);
+  EXPECT_THAT(reports.back().why, HasSubstr("7.1 m away"));
+}
+
+TEST_F(DriverTest, AsksForTheRestOfAPathThatWasCutToTheWiresBound) {
+  std::vector<Eigen::Vector2d> path_m;
+  for (std::size_t i = 0; i < proto::kMaxPathPoints; ++i) path_m.emplace_back(0.002 * double(i), 0);
+  proto::RobotLink::Order order = go_to(7, path_m);
+  order.command.goal_x_mm = 9'000;
+  take(order);
+  run(seconds(20));
+  EXPECT_EQ(reports.back().state, CommandState::blocked);
+  EXPECT_THAT(reports.back().why, HasSubstr("the rest"));
+}
+
+TEST_F(DriverTest, SlowsDownWhereSomeGroundIsUnseen) {
+  cells = [](CellIndex cell) { return cell.x == 6 ? Cell{} : Cell{0, 200}; };
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  step();
+  EXPECT_GT(wheels.speed_m_s, 0.0);
+  EXPECT_LE(wheels.speed_m_s, DriverConfig{}.unknown_speed_m_s);
+}
+
+TEST_F(DriverTest, NeverDrivesIntoAWideUnseenStretch) {
+  cells = [](CellIndex cell) { return cell.x * kCellM >= 2.0 ? Cell{} : Cell{0, 200}; };
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  double furthest_m = 0.0;
+  for (int i = 0; i < 2'000; ++i) {
+    step();
+    furthest_m = std::max(furthest_m, pose.x_m);
+  }
+  EXPECT_LT(furthest_m, 2.0);
+  EXPECT_EQ(driver.state(), DriveState::blocked);
+  EXPECT_THAT(reports.back().why, HasSubstr("may be a drop"));
+}
+
+/// Unseen from 2 m to 2.9 m until the wheels get there; behind it the ground lies `drop_m` lower.
+struct UnseenStretch : DriverTest {
+  double furthest_m = 0.0;
+  void drive(double drop_m) {
+    cells = [this, drop_m](CellIndex cell) {
+      const double x_m = cell.x * kCellM;
+      furthest_m = std::max(furthest_m, pose.x_m);
+      if (x_m >= 2.0 && x_m < 2.9 && x_m > furthest_m + 0.3) return Cell{};
+      return Cell{x_m < 2.9 ? 0 : static_cast<std::int32_t>(-1000.0 * drop_m), 200};
+    };
+    take(go_to(7, {{0, 0}, {5, 0}}));
+    run(seconds(120));
+  }
+};
+
+TEST_F(UnseenStretch, IsCrossedWhereTheGroundIsAsHighOnBothSides) {
+  drive(0.0);
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+}
+
+TEST_F(UnseenStretch, IsNotCrossedWhereTheFarSideLiesLower) {
+  drive(0.5);
+  EXPECT_EQ(driver.state(), DriveState::blocked);
+  EXPECT_LT(furthest_m, 2.0);
+}
+
+TEST_F(DriverTest, BacksUpToSeeTheGroundAheadBetter) {
+  cells = [](CellIndex cell) { return cell.x * kCellM >= 0.375 ? Cell{} : Cell{0, 200}; };
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  step();
+  EXPECT_LT(wheels.speed_m_s, 0.0);
+}
+
+TEST_F(DriverTest, DoesNotBackUpOntoUnseenGround) {
+  cells = [](CellIndex cell) { return std::abs(cell.x) >= 3 ? Cell{} : Cell{0, 200}; };
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  run(seconds(2));
+  EXPECT_EQ(testing::place_of(pose), Eigen::Vector2d(0, 0));
+  EXPECT_EQ(driver.state(), DriveState::blocked);
+}
+
+}  // namespace
+}  // namespace cairn::agent
