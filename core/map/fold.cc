@@ -118,6 +118,7 @@ class FoldRules {
   [[nodiscard]] Cell after_seen_through(const Cell& cell, const Cell& seen) const {
     const std::int64_t above_mm = std::int64_t{cell.height_mm} - seen.height_mm;
     if (!cell.known() || !seen.known() || above_mm <= model_.tolerance_mm) return cell;
+    if (seen.probability == kCertainlyEmpty) return {};
     return believed(
         cell.height_mm,
         std::min(cell.probability, combine_unsure(cell.probability, 255 - seen.probability)));

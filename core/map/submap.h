@@ -33,6 +33,9 @@ struct SubmapPose {
   friend bool operator==(const SubmapPose&, const SubmapPose&) = default;
 };
 
+/// [1/255] In Submap::seen_through: beyond doubt.
+inline constexpr std::uint8_t kCertainlyEmpty = 255;
+
 /// The unit of evidence (T2.2.3, design §3): what a robot saw on one stretch of its way, on its
 /// own grid. Heights are above the submap's origin.
 struct Submap {
@@ -41,7 +44,8 @@ struct Submap {
   /// The tallest surface at each cell, by the rules of T4.3.
   HeightMap surface;
   /// Where beams passed *below* what the robot's long-term map holds: per cell the lowest beam and
-  /// the probability that nothing stands above it. This is how removed objects are unlearned.
+  /// the probability that nothing stands above it (kCertainlyEmpty: the robot stood there). This is
+  /// how removed objects are unlearned.
   HeightMap seen_through;
   bool closed = false;  ///< The robot will add nothing more.
 

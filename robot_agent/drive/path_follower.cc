@@ -13,6 +13,8 @@ namespace {
 
 /// [m] How far along the path the foot is searched: a path that comes near itself is not cut short.
 constexpr double kSearchM = 1.5;
+/// [m] A later place on the path must be this much nearer, so that rounding cuts no turn short.
+constexpr double kTieM = 1e-3;
 
 Eigen::Vector2d nearest_on_leg(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                                const Eigen::Vector2d& p) {
@@ -39,7 +41,7 @@ void PathFollower::advance(const Eigen::Vector2d& place_m) {
   double searched_m = 0.0;
   for (std::size_t i = leg_; i + 1 < path_m_.size() && searched_m < kSearchM; ++i) {
     const Eigen::Vector2d candidate = nearest_on_leg(from, path_m_[i + 1], place_m);
-    if (const double distance_m = (candidate - place_m).norm(); distance_m < best_m) {
+    if (const double distance_m = (candidate - place_m).norm(); distance_m < best_m - kTieM) {
       best_m = distance_m;
       foot = candidate;
       leg = i;

@@ -173,14 +173,29 @@ void Mapper::touch_ground() {
   last_touch_ = here;
   const Eigen::Isometry3d T_submap_robot = to_transform(pose_in_submap());
   std::vector<CellIndex> changed;
+  std::vector<CellIndex> emptied;
   const double step_m = site_map_.cell_size_m() * 0.9;
   for (double y_m = -config_.wheel_y_m; y_m <= config_.wheel_y_m; y_m += step_m) {
     for (double x_m = -config_.wheel_x_m; x_m <= config_.wheel_x_m; x_m += step_m) {
       const Eigen::Vector3d p = T_submap_robot * Eigen::Vector3d(x_m, y_m, 0.0);
+      stand_on(p, emptied);
       hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
   evidence_.touch(EvidenceLayer::surface, changed);
+  evidence_.touch(EvidenceLayer::seen_through, emptied);
+}
+
+void Mapper::stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied) {
+  const CellIndex cell = open_->surface.cell_at(p_submap_m.x(), p_submap_m.y());
+  const std::int32_t ground_mm = to_mm(p_submap_m.z());
+  if (rules_.passed_below(open_->surface.cell(cell), ground_mm)) {
+    open_->surface.set(cell, {});  // Whatever was seen there, the robot stands there now.
+  }
+  const Cell certain{ground_mm, kCertainlyEmpty};
+  if (!rules_.passed_below(reference_.cell(cell), ground_mm)) return;
+  if (open_->seen_through.cell(cell).probability == kCertainlyEmpty) return;
+  if (open_->seen_through.set(cell, certain)) emptied.push_back(cell);
 }
 
 void Mapper::lay_apron(const Scan& scan, const LaserSpec& laser) {
@@ -214,7 +229,9 @@ Cell Mapper::cell(CellIndex site_cell) const {
     Cell found = open_->surface.cell(shifted);
     if (found.known()) {
       found.height_mm += open_->T_site_submap.z_mm;
-      return found;
+      const Cell before = site_map_.cell(site_cell);  // As in a fold, the higher surface wins,
+      const bool seen_through = open_->seen_through.cell(shifted).known();  // unless seen through.
+      return !seen_through && rules_.passed_below(before, found.height_mm) ? before : found;
     }
   }
   return site_map_.cell(site_cell);

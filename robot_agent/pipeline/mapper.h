@@ -67,6 +67,7 @@ class Mapper {
   void make_reference();
   void integrate(const std::vector<Beam>& beams, bool ground_along_beam);
   void touch_ground();
+  void stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied);
   void lay_apron(const Scan& scan, const LaserSpec& laser);
   void hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed);
   [[nodiscard]] Pose pose_in_submap() const;

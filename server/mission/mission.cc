@@ -215,13 +215,16 @@ void Mission::send(Robot& robot, Goal& goal) {
 
 void Mission::connected(Robot& robot) {
   const auto found = goals_.find(robot.id);
-  if (found != goals_.end() && found->second.active()) send(robot, found->second);
+  if (found == goals_.end()) return;
+  if (found->second.active()) send(robot, found->second);
+  if (found->second.cancelling) cancel(robot, found->second);
 }
 
 void Mission::reported(Robot& robot, const proto::CommandReport& report) {
   const auto found = goals_.find(robot.id);
   if (found == goals_.end() || found->second.command.id != report.command) return;
   Goal& goal = found->second;
+  if (report.revision >= goal.command.revision) goal.cancelling = false;
   if (!goal.active() || report.revision < goal.command.revision) return;  // Of an older path.
   goal.state = name_of(report.state);
   goal.why = report.why;
@@ -280,12 +283,17 @@ void Mission::replanned(const std::string& id, std::uint64_t command, const Plan
   send(robot, goal);
 }
 
-void Mission::give_up(Robot& robot, Goal& goal, const std::string& why) {
+void Mission::cancel(Robot& robot, Goal& goal) {
   proto::Command cancel = goal.command;  // The same command, so that nothing supersedes its story.
   cancel.kind = proto::CommandKind::stop;
   cancel.revision = ++goal.command.revision;
   cancel.path_points = 0;
+  goal.cancelling = true;
   hub_->command(robot, cancel, {}, std::chrono::minutes(10));
+}
+
+void Mission::give_up(Robot& robot, Goal& goal, const std::string& why) {
+  cancel(robot, goal);
   goal.state = "stopped";
   goal.why = "no way any more: " + why;
   spdlog::info("robot {}: command {} given up: {}", robot.id, goal.command.id, why);

@@ -63,6 +63,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
     MonotonicTime expires{};
     std::vector<Eigen::Vector2d> path_m;
     bool planning = false;    ///< A plan is being made on another thread.
+    bool cancelling = false;  ///< Given up; the robot may not know yet.
     bool wants_plan = false;  ///< The robot is blocked.
     Eigen::Vector2d blocked_at_m = Eigen::Vector2d::Constant(1e9);
     int times_blocked_here = 0;
@@ -90,6 +91,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void check(Robot& robot, Goal& goal);
   void replanned(const std::string& robot, std::uint64_t command, const Planned& planned);
   void count_blockade(Robot& robot, Goal& goal);
+  void cancel(Robot& robot, Goal& goal);
   void give_up(Robot& robot, Goal& goal, const std::string& why);
   void tick();
 

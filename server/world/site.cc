@@ -58,7 +58,9 @@ void Site::schedule_publish() {
   publish_timer_.expires_after(kPublishPeriod);
   publish_timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
     self->publish_scheduled_ = false;
-    if (!error) self->world_->publish();
+    if (error) return;
+    if (self->world_->has_staged()) self->commit();
+    self->world_->publish();
   });
 }
 

@@ -197,7 +197,8 @@ std::shared_ptr<const PackedTile> World::overlaid(const TileKey& key) const {
 }
 
 void World::publish() {
-  if (snapshot_ && dirty_tiles_.empty()) return;
+  // What is not durable yet is not shown: each version is one map.
+  if (snapshot_ && (dirty_tiles_.empty() || has_staged())) return;
   auto next =
       snapshot_ ? std::make_shared<MapSnapshot>(*snapshot_) : std::make_shared<MapSnapshot>();
   next->version = log_sequence_;

@@ -43,7 +43,8 @@ class World {
   Status commit();
   [[nodiscard]] bool has_staged() const { return !dirty_blocks_.empty() || !dirty_heads_.empty(); }
 
-  /// Makes the newest state visible to readers. Costs in proportion to the tiles that changed.
+  /// Makes the newest durable state visible to readers; does nothing while evidence is staged.
+  /// Costs in proportion to the tiles that changed.
   void publish();
   [[nodiscard]] std::shared_ptr<const MapSnapshot> snapshot() const;
 
