@@ -174,6 +174,7 @@ Result<std::shared_ptr<Site>> Server::site_or_only(const std::optional<std::stri
 std::vector<api::RobotJson> Server::describe_robots(const std::string& site) const {
   std::vector<api::RobotJson> robots;
   for (const auto& [id, robot] : hub_->robots()) {
+    if (!robot.pose) continue;  // Where it is will be known in a moment.
     if (!site.empty() && robot.site->info().name != site) continue;
     api::RobotJson json = describe(robot, Hub::now());
     json.command = mission_->describe(id);

@@ -94,14 +94,13 @@ int median_offset_mm(const MatchProblem& problem, const Candidate& candidate) {
 
 std::vector<ShortTermCell> short_term_cells(const HeightMap& short_term,
                                             const RegistrationPrior& prior) {
-  const double cell_m = short_term.cell_size_m();
   std::vector<ShortTermCell> cells;
   for (const auto& [key, tile] : short_term.tiles()) {
     if (key.level != 0) continue;
     for (int i = 0; i < Tile::kCells; ++i) {
       if (!tile->known(i)) continue;
-      const Eigen::Vector2d middle((key.tx * Tile::kSize + i % Tile::kSize + 0.5) * cell_m,
-                                   (key.ty * Tile::kSize + i / Tile::kSize + 0.5) * cell_m);
+      const Eigen::Vector2d middle(short_term.centre_m(key.tx * Tile::kSize + i % Tile::kSize),
+                                   short_term.centre_m(key.ty * Tile::kSize + i / Tile::kSize));
       cells.push_back({middle - robot_in_submap(prior),
                        tile->height_mm(i) - prior.T_submap_robot.z_m * 1000.0});
     }

@@ -147,7 +147,7 @@ void Hub::open_session(std::size_t carrier, const std::string& peer, const proto
   robot.id = hello.robot;
   robot.carrier = carrier;
   robot.peer = peer;
-  robot.pose.reset();
+  robot.pose_of_session = false;
   robot.site = std::move(site);
   robot.link = std::make_unique<proto::ServerLink>(session, hello, robot.site->info().epoch,
                                                    carriers_[carrier]->overhead_bytes(), now());

@@ -38,7 +38,8 @@ api::LinkJson describe_link(const Robot& robot, MonotonicTime now) {
 }  // namespace
 
 void Robot::take_pose(const proto::PoseReport& report, MonotonicTime now) {
-  if (pose && report.clock_ms < pose->clock_ms) return;  // Overtaken on the way.
+  if (pose_of_session && report.clock_ms < pose->clock_ms) return;  // Overtaken on the way.
+  pose_of_session = true;
   pose = report;
   pose_received = now;
   if (!track.empty() &&

@@ -21,6 +21,7 @@ struct Robot {
   std::size_t carrier = 0;                  ///< Which carrier its frames come by.
   std::string peer;                         ///< Its name on that carrier.
   std::optional<proto::PoseReport> pose;    ///< Newest by the robot's own clock.
+  bool pose_of_session = false;  ///< It came in the present session, so its clock can be compared.
   MonotonicTime pose_received{};
   std::uint64_t frames_malformed = 0;  ///< Bytes in its name that are no frame.
   std::deque<api::PointJson> track;    ///< Where it was, newest last.
