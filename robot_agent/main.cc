@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/common/angle.h"
+#include "proto/codec/text.h"
 #include "proto/dds/endpoint.h"
 #include "proto/dds/robot_carrier.h"
 #include "robot_agent/input/carmen_log.h"
@@ -229,9 +230,11 @@ Status run_replay(Agent& agent, Input& input) {
 }
 
 Status run(const Options& options) {
-  if (!cairn::proto::is_robot_id(options.robot)) {
+  for (const auto& [flag, name] :
+       {std::pair{"--robot ", options.robot}, {"--site ", options.site}}) {
+    if (cairn::proto::valid_name(name)) continue;
     return cairn::Error{cairn::ErrorCode::invalid_argument,
-                        "--robot " + options.robot + ": use 1 to 32 of a-z, 0-9, '-' and '_'"};
+                        flag + name + ": use 1 to 32 of a-z, 0-9, '-' and '_'"};
   }
   auto input = open_input(options);
   if (!input) return input.error();

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "proto/codec/text.h"
 #include "server/mission/planning.h"
 #include "server/store/sqlite_store.h"
 
@@ -19,13 +20,6 @@ namespace asio = boost::asio;
 namespace fs = std::filesystem;
 
 namespace {
-
-bool is_site_name(const std::string& name) {
-  const auto allowed = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  };
-  return !name.empty() && name.size() <= proto::kMaxNameBytes && std::ranges::all_of(name, allowed);
-}
 
 std::string to_string(PathStatus status) {
   if (status == PathStatus::complete) return "complete";
@@ -207,7 +201,7 @@ void Server::status(Reply<api::StatusReply> reply) {
 
 void Server::found(const api::FoundRequest& request, Reply<api::SiteJson> reply) {
   asio::post(control_, [self = shared_from_this(), request, reply = std::move(reply)] {
-    if (!is_site_name(request.site)) {
+    if (!proto::valid_name(request.site)) {
       return reply(Error{ErrorCode::invalid_argument,
                          fmt::format("'{}' is no site name: use 1 to {} of a-z, 0-9, '-' and '_'",
                                      request.site, proto::kMaxNameBytes)});

@@ -9,7 +9,6 @@ namespace {
 constexpr std::string_view kScheme = "dds://";
 constexpr std::string_view kDomainOption = "domain=";
 constexpr std::size_t kMaxHostBytes = 253;
-constexpr std::size_t kMaxRobotIdBytes = 32;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
@@ -58,12 +57,6 @@ Result<DdsEndpoint> parse_dds_url(std::string_view url) {
   if (!domain) return domain.error();
   endpoint.domain = *domain;
   return endpoint;
-}
-
-bool is_robot_id(std::string_view name) {
-  return !name.empty() && name.size() <= kMaxRobotIdBytes && std::ranges::all_of(name, [](char c) {
-    return is_lower(c) || is_digit(c) || c == '_' || c == '-';
-  });
 }
 
 }  // namespace cairn::proto

@@ -22,9 +22,6 @@ struct DdsEndpoint {
 /// Reads `dds://HOST[?domain=N]`; HOST is an IPv4 address or a host name.
 [[nodiscard]] Result<DdsEndpoint> parse_dds_url(std::string_view url);
 
-/// Robots are named by [a-z0-9_-]{1,32}; the name is also their DDS partition.
-[[nodiscard]] bool is_robot_id(std::string_view name);
-
 /// UDP port on which the server of a domain is first met (DDSI: PB + DG · domain + d1).
 [[nodiscard]] constexpr std::uint16_t dds_server_port(std::uint32_t domain) {
   return static_cast<std::uint16_t>(7400 + 250 * domain + 10);

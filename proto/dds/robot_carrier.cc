@@ -1,5 +1,7 @@
 #include "proto/dds/robot_carrier.h"
 
+#include "proto/codec/text.h"
+
 namespace cairn::proto {
 namespace {
 
@@ -10,7 +12,7 @@ constexpr int kReaderDepth = 1024;
 
 Result<std::unique_ptr<DdsRobotCarrier>> DdsRobotCarrier::create(const DdsEndpoint& server,
                                                                  const std::string& robot) {
-  if (!is_robot_id(robot)) {
+  if (!valid_name(robot)) {
     return Error{ErrorCode::invalid_argument,
                  "robot id must be 1 to 32 of a-z, 0-9, _ and -, e.g. rover-1"};
   }

@@ -1,5 +1,7 @@
 #include "proto/dds/server_carrier.h"
 
+#include "proto/codec/text.h"
+
 namespace cairn::proto {
 namespace {
 
@@ -65,7 +67,7 @@ void DdsServerCarrier::look_who_is_there() {
 std::optional<std::string> DdsServerCarrier::origin(dds_instance_handle_t publication) {
   if (const auto known = origins_.find(publication); known != origins_.end()) return known->second;
   auto partition = up_.partition_of(publication);
-  if (!partition || !is_robot_id(*partition)) return std::nullopt;
+  if (!partition || !valid_name(*partition)) return std::nullopt;
   if (origins_.size() < kMaxOrigins) origins_.emplace(publication, *partition);
   return partition;
 }

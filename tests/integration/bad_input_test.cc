@@ -110,8 +110,9 @@ TEST_F(BadAgentInput, AMissingLogIsNamed) {
 
 TEST_F(BadAgentInput, WithoutAnInputItSaysWhatItNeeds) { expect_refusal(agent({}), 2, "--world"); }
 
-TEST_F(BadAgentInput, ABadRobotIdIsExplained) {
+TEST_F(BadAgentInput, BadNamesAreExplained) {
   expect_refusal(agent({"--world", "room", "--robot", "Robot One"}), 1, "--robot");
+  expect_refusal(agent({"--world", "room", "--site", "My Site"}), 1, "--site");
 }
 
 /// Logs are read as they are replayed, so these need a server.
@@ -188,8 +189,8 @@ TEST_F(BadOperatorInput, GoalsThatCannotBeReachedSayWhy) {
       },
       20s))
       << agent.output();
-  ASSERT_TRUE(eventually(
-      [&] { return server_.status()["robots"][0]["x_m"].get<double>() > 0.0; }, 10s));
+  ASSERT_TRUE(
+      eventually([&] { return server_.status()["robots"][0]["x_m"].get<double>() > 0.0; }, 10s));
   expect_refusal(server_.cairn({"goto", "400", "2", "--unknown", "blocked"}), 1, "no path");
   expect_refusal(server_.cairn({"goto", "1e9", "2"}), 2, "metres");
   expect_refusal(server_.cairn({"goto", "nan", "2"}), 2, "metres");

@@ -52,15 +52,5 @@ INSTANTIATE_TEST_SUITE_P(
                     BadUrl{"dds://a?domain=7x", "0 to 232"}, BadUrl{"dds://a?id=7", "only option"},
                     BadUrl{"dds://a?", "only option"}));
 
-TEST(RobotId, IsShortAndPlain) {
-  EXPECT_TRUE(is_robot_id("rover-1_b"));
-  EXPECT_TRUE(is_robot_id(std::string(32, 'a')));
-  EXPECT_FALSE(is_robot_id(""));
-  EXPECT_FALSE(is_robot_id(std::string(33, 'a')));
-  EXPECT_FALSE(is_robot_id("*"));
-  EXPECT_FALSE(is_robot_id("Rover"));
-  EXPECT_FALSE(is_robot_id("a b"));
-}
-
 }  // namespace
 }  // namespace cairn::proto
