@@ -245,7 +245,7 @@ Status run(const Options& options) {
   Agent agent(config_of(options), **input, **carrier);
   spdlog::info("robot {} on site {}, looking for the server at {}", options.robot, options.site,
                options.server);
-  const Status result =
+  Status result =
       options.replay.empty() ? run_live(agent, options.speed) : run_replay(agent, **input);
   const auto& counters = agent.link().counters();
   spdlog::info("link: {} bytes up, {} bytes down, {} frames lost", counters.bytes_sent,

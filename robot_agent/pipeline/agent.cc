@@ -82,7 +82,7 @@ void Agent::tell(MonotonicTime clock) {
 
 Status Agent::send_due(MonotonicTime clock) {
   while (auto bytes = link_.next_frame(clock)) {
-    const Status sent = carrier_.send({{}, std::move(*bytes)});
+    Status sent = carrier_.send({{}, std::move(*bytes)});
     // A server that is not in reach yet is what the link's timers are for.
     if (!sent && sent.error().code != ErrorCode::unavailable) return sent;
   }

@@ -43,17 +43,18 @@ void Mapper::take_motion(const MotionReading& reading) {
 void Mapper::watch_incline(const Pose& before, MonotonicTime stamp) {
   const double dt_s = to_seconds(stamp - std::exchange(last_motion_, stamp));
   if (dt_s <= 0.0) return;
-  const double change_rad =
-      std::hypot(pose().roll_rad - before.roll_rad, pose().pitch_rad - before.pitch_rad);
-  const double fading = incline_error_rad_ * std::exp(-dt_s / config_.incline_lag_s);
-  incline_error_rad_ = fading + change_rad * (1.0 - std::exp(-dt_s / config_.incline_lag_s)) *
-                                    config_.incline_lag_s / dt_s;
+  // Signed rates, smoothed: the noise of the readings is no motion.
+  const Eigen::Vector2d rate((pose().roll_rad - before.roll_rad) / dt_s,
+                             (pose().pitch_rad - before.pitch_rad) / dt_s);
+  incline_rate_rad_s_ +=
+      (rate - incline_rate_rad_s_) * (1.0 - std::exp(-dt_s / config_.incline_lag_s));
 }
 
 double Mapper::trusted_range_m(const LaserSpec& laser) const {
   if (laser.ground_along_beam) return config_.mapping_range_m;  // A plane world has no incline.
   return std::min(config_.mapping_range_m,
-                  config_.height_sigma_m / (config_.incline_sigma_rad + incline_error_rad_));
+                  config_.height_sigma_m / (config_.incline_sigma_rad +
+                                            incline_rate_rad_s_.norm() * config_.incline_lag_s));
 }
 
 void Mapper::take_scan(const Scan& scan) {

@@ -86,7 +86,7 @@ class Mapper {
   double submap_begin_m_ = 0.0;
   double submap_turned_rad_ = 0.0;
   double last_yaw_rad_ = 0.0;
-  double incline_error_rad_ = 0.0;  ///< Beyond incline_sigma_rad.
+  Eigen::Vector2d incline_rate_rad_s_ = Eigen::Vector2d::Zero();  ///< Roll and pitch, smoothed.
   MonotonicTime last_motion_{};
   std::optional<CellIndex> last_touch_;
   bool apron_laid_ = false;

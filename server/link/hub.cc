@@ -202,8 +202,8 @@ void Hub::answer(std::size_t carrier, const std::string& peer, std::uint32_t ses
 }
 
 void Hub::command(Robot& robot, const proto::Command& command,
-                  std::vector<proto::PathPart::Point> path, Duration expires_in) {
-  robot.link->command(command, std::move(path), expires_in, now());
+                  const std::vector<proto::PathPart::Point>& path, Duration expires_in) {
+  robot.link->command(command, path, expires_in, now());
   pump(robot);
 }
 

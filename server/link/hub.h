@@ -44,7 +44,7 @@ class Hub : public std::enable_shared_from_this<Hub> {
 
   /// Sends a command to a robot, over and over until the robot reports on it.
   void command(Robot& robot, const proto::Command& command,
-               std::vector<proto::PathPart::Point> path, Duration expires_in);
+               const std::vector<proto::PathPart::Point>& path, Duration expires_in);
 
   /// Null when no such robot was ever seen.
   [[nodiscard]] Robot* find(const std::string& robot);

@@ -70,7 +70,7 @@ std::vector<proto::PathPart::Point> to_wire_points(const std::vector<Eigen::Vect
 
 Mission::Mission(Hub::Strand strand, asio::any_io_executor executor, std::shared_ptr<Hub> hub,
                  MissionConfig config)
-    : strand_(strand),
+    : strand_(std::move(strand)),
       executor_(std::move(executor)),
       hub_(std::move(hub)),
       config_(config),
@@ -107,7 +107,8 @@ Result<Robot*> Mission::robot_for(const std::optional<std::string>& name) {
   return &robots.begin()->second;
 }
 
-void Mission::go_to(const api::GotoRequest& request, Service::Reply<api::CommandReply> reply) {
+void Mission::go_to(const api::GotoRequest& request,
+                    const Service::Reply<api::CommandReply>& reply) {
   Result<Robot*> found = robot_for(request.robot);
   if (!found) return reply(found.error());
   Robot& robot = **found;
@@ -133,7 +134,8 @@ void Mission::go_to(const api::GotoRequest& request, Service::Reply<api::Command
   });
 }
 
-void Mission::stop(const api::StopRequest& request, Service::Reply<api::CommandReply> reply) {
+void Mission::stop(const api::StopRequest& request,
+                   const Service::Reply<api::CommandReply>& reply) {
   Result<Robot*> found = robot_for(request.robot);
   if (!found) return reply(found.error());
   Goal goal;
@@ -206,11 +208,11 @@ void Mission::issue(const std::string& id, Goal goal, const Planned& planned,
 
 void Mission::send(Robot& robot, Goal& goal) {
   ++goal.command.revision;
-  std::vector<proto::PathPart::Point> path = to_wire_points(goal.path_m);
+  const std::vector<proto::PathPart::Point> path = to_wire_points(goal.path_m);
   goal.command.path_points = static_cast<std::uint16_t>(path.size());
   goal.command.link_timeout_ms = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(config_.link_timeout).count());
-  hub_->command(robot, goal.command, std::move(path), goal.expires - Hub::now());
+  hub_->command(robot, goal.command, path, goal.expires - Hub::now());
 }
 
 void Mission::connected(Robot& robot) {

@@ -33,8 +33,8 @@ class Mission : public std::enable_shared_from_this<Mission> {
   Mission(Hub::Strand strand, boost::asio::any_io_executor executor, std::shared_ptr<Hub> hub,
           MissionConfig config);
 
-  void go_to(const api::GotoRequest& request, Service::Reply<api::CommandReply> reply);
-  void stop(const api::StopRequest& request, Service::Reply<api::CommandReply> reply);
+  void go_to(const api::GotoRequest& request, const Service::Reply<api::CommandReply>& reply);
+  void stop(const api::StopRequest& request, const Service::Reply<api::CommandReply>& reply);
 
   void connected(Robot& robot);
   void reported(Robot& robot, const proto::CommandReport& report);
