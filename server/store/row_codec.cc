@@ -17,7 +17,7 @@ using proto::ByteWriter;
 constexpr int kCoordinateBits = 28;
 constexpr std::uint64_t kCoordinateMask = (std::uint64_t{1} << kCoordinateBits) - 1;
 constexpr std::int32_t kCoordinateLimit = 1 << (kCoordinateBits - 1);
-constexpr std::int32_t kMaxYaw_1e4rad = 31416;
+constexpr std::int32_t kMaxYaw1e4rad = 31416;
 constexpr int kMinCellSizeMm = 10;
 constexpr int kMaxCellSizeMm = 2000;
 constexpr std::size_t kMaskBytes = kBlockCells / 8;
@@ -50,7 +50,7 @@ bool plausible(const SiteInfo& info) {
 bool plausible(const SubmapRow& row) {
   return proto::valid_name(row.robot) && row.blocks <= proto::kMaxSubmapBlocks &&
          row.state <= SubmapState::merged &&
-         std::int64_t{std::abs(std::int64_t{row.T_site_submap.yaw_1e4rad})} <= kMaxYaw_1e4rad;
+         std::int64_t{std::abs(std::int64_t{row.T_site_submap.yaw_1e4rad})} <= kMaxYaw1e4rad;
 }
 
 bool in_range(std::int64_t offset_mm) {
@@ -104,7 +104,8 @@ std::int64_t pack_part(const BlockKey& key) {
 }
 
 Result<BlockKey> unpack_block(std::int64_t tile, std::int64_t part) {
-  if (part < 0 || part >= 2 * kBlocksPerTile) return corrupt("a block has an unknown layer");
+  if (part < 0 || part >= std::int64_t{2} * kBlocksPerTile)
+    return corrupt("a block has an unknown layer");
   return BlockKey{.layer = static_cast<EvidenceLayer>(part / kBlocksPerTile),
                   .tile = unpack_tile(tile),
                   .block = static_cast<std::uint8_t>(part % kBlocksPerTile)};

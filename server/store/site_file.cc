@@ -44,7 +44,7 @@ Status sync(const fs::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return io_error(path, "cannot open");
   const bool synced = fsync(fd) == 0;
-  const Status status = synced ? Status() : Status(io_error(path, "cannot sync"));
+  Status status = synced ? Status() : Status(io_error(path, "cannot sync"));
   ::close(fd);
   return status;
 }
