@@ -5,8 +5,12 @@
 
 namespace cairn {
 
-[[nodiscard]] constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
-[[nodiscard]] constexpr double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
+[[nodiscard]] constexpr double radians(double degrees) {
+  return degrees * std::numbers::pi / 180.0;
+}
+[[nodiscard]] constexpr double degrees(double radians) {
+  return radians * 180.0 / std::numbers::pi;
+}
 
 /// The same direction in (-π, π].
 [[nodiscard]] inline double wrap_angle(double angle_rad) {

@@ -8,7 +8,9 @@ namespace cairn {
 using MonotonicTime = std::chrono::microseconds;
 using Duration = std::chrono::microseconds;
 
-[[nodiscard]] inline double to_seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
+[[nodiscard]] inline double to_seconds(Duration d) {
+  return std::chrono::duration<double>(d).count();
+}
 [[nodiscard]] inline Duration from_seconds(double s) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
 }

@@ -57,9 +57,9 @@ class WitnessCarrier final : public proto::Carrier {
       if (ack == nullptr) continue;
       std::erase_if(sent_, [&](const auto& sent) {
         const std::uint32_t beyond = sent.first - ack->cumulative - 2;
-        const bool done = sent.first <= ack->cumulative ||
-                          (sent.first >= ack->cumulative + 2 && beyond < 64 &&
-                           ((ack->bitmap >> beyond) & 1U) != 0);
+        const bool done =
+            sent.first <= ack->cumulative || (sent.first >= ack->cumulative + 2 && beyond < 64 &&
+                                              ((ack->bitmap >> beyond) & 1U) != 0);
         if (done) note(sent.second);
         return done;
       });
@@ -84,7 +84,8 @@ class WitnessCarrier final : public proto::Carrier {
 class CirclingRobot {
  public:
   explicit CirclingRobot(std::uint64_t boot) {
-    auto dds = proto::DdsRobotCarrier::create(*proto::parse_dds_url(ServerProcess::dds_url()), "r1");
+    auto dds =
+        proto::DdsRobotCarrier::create(*proto::parse_dds_url(ServerProcess::dds_url()), "r1");
     EXPECT_TRUE(dds) << dds.error().message;
     carrier_ = std::make_unique<WitnessCarrier>(std::move(*dds));
     agent::SimulatorConfig simulator;
