@@ -16,7 +16,7 @@ namespace {
 constexpr double kCostUnitM = 1e-4;
 /// [cells] A closed start is left by no longer way, however fine the map.
 constexpr double kMaxLeaveCells = 256;
-constexpr const char* kCutOff = "no way: obstacles or steps cut the goal off from here";
+constexpr const char* kCutOff = "obstacles or steps cut the goal off from here";
 
 Path no_path(std::string why) { return {PathStatus::none, std::move(why), {}, 0.0, 0.0}; }
 
