@@ -155,7 +155,7 @@ TEST(Plan, ComesAsNearAsItCanWhenThatIsAllowed) {
                              ".....#..."},
                             with_radius(0.0), true);
   EXPECT_EQ(path.status, PathStatus::partial);
-  EXPECT_THAT(path.why, StartsWith("no way: "));
+  EXPECT_THAT(path.why, StartsWith("obstacles or steps"));
   EXPECT_EQ(path.points_m.front(), middle({1, 1}));
   EXPECT_EQ(path.points_m.back(), middle({4, 1}));
 }
