@@ -110,7 +110,7 @@ CAIRN_AVX2 void few_shifts256(const TurnedMap& turned, Part part, const std::int
 #pragma GCC unroll 8
   for (int k = 0; k < kShifts; ++k) {
     sums[k].difference_mm += sum_lanes(lanes[k].difference);
-    sums[k].overlap += sum_lanes(lanes[k].unknown);  // For now: see square_in_parts.
+    sums[k].overlap += sum_lanes(lanes[k].unknown);  // square_in_parts turns it round.
   }
 }
 
@@ -182,7 +182,7 @@ CAIRN_AVX512 void few_shifts512(const TurnedMap& turned, Part part, const std::i
 #pragma GCC unroll 8
   for (int k = 0; k < kShifts; ++k) {
     sums[k].difference_mm += sum_lanes(lanes[k].difference);
-    sums[k].overlap += sum_lanes(lanes[k].unknown);  // For now: see square_in_parts.
+    sums[k].overlap += sum_lanes(lanes[k].unknown);  // square_in_parts turns it round.
   }
 }
 
