@@ -123,7 +123,7 @@ unsigned own_dds_domain() {
     for (unsigned i = 0; i < 100; ++i) {
       const unsigned candidate = 1 + (first + i) % 100;
       const std::filesystem::path lock = std::filesystem::temp_directory_path() /
-                                         ("cairn-test-domain-" + std::to_string(candidate));
+                                         ("cairn-dds-domain-" + std::to_string(candidate));
       const int file = open(lock.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
       if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0) return candidate;
       if (file >= 0) close(file);
