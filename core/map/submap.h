@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "core/map/height_map.h"
 
@@ -33,6 +34,16 @@ struct SubmapPose {
   friend bool operator==(const SubmapPose&, const SubmapPose&) = default;
 };
 
+/// How a submap lies to the one that the same boot made before it, by dead reckoning and local
+/// tracking alone: free of corrections against older maps.
+struct SubmapLink {
+  SubmapPose T_previous_submap;
+  std::uint16_t sigma_xy_mm = 0;  ///< [mm] Standard deviation, in x and y each.
+  std::uint16_t sigma_z_mm = 0;
+  std::uint16_t sigma_yaw_1e4rad = 0;
+  friend bool operator==(const SubmapLink&, const SubmapLink&) = default;
+};
+
 /// [1/255] In Submap::seen_through: beyond doubt.
 inline constexpr std::uint8_t kCertainlyEmpty = 255;
 
@@ -41,6 +52,7 @@ inline constexpr std::uint8_t kCertainlyEmpty = 255;
 struct Submap {
   SubmapId id;
   SubmapPose T_site_submap;
+  std::optional<SubmapLink> link;  ///< None for a boot's first.
   /// The tallest surface at each cell, by the rules of T4.3.
   HeightMap surface;
   /// Where beams passed *below* what the robot's long-term map holds: per cell the lowest beam and

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -47,6 +48,11 @@ class FieldWriter {
     assert(!values.empty() && values.size() <= most);
     number<std::uint8_t>(name, static_cast<std::uint8_t>(values.size()), 1, most);
     for (const T& value : values) each(*this, value);
+  }
+  template <class T, class Write>
+  void optional(const char* name, const std::optional<T>& value, Write write) {
+    flag(name, value.has_value());
+    if (value) write(*this, *value);
   }
   void require(const char* /*name*/, bool holds) {
     assert(holds);
@@ -108,6 +114,12 @@ class FieldReader {
     if (failed()) return;
     values.resize(count);
     for (T& value : values) each(*this, value);
+  }
+  template <class T, class Read>
+  void optional(const char* name, std::optional<T>& value, Read read) {
+    bool there = false;
+    flag(name, there);
+    if (!failed() && there) read(*this, value.emplace());
   }
   void require(const char* name, bool holds) {
     if (broken_ == nullptr && (in_.failed() || !holds)) broken_ = name;

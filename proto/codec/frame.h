@@ -10,7 +10,7 @@
 
 namespace cairn::proto {
 
-inline constexpr std::uint8_t kProtocolVersion = 1;
+inline constexpr std::uint8_t kProtocolVersion = 2;
 inline constexpr std::size_t kFrameHeaderBytes = 12;
 inline constexpr std::size_t kChecksumBytes = 4;
 /// A decoded record takes about 2 kB however short it was on the wire: this bounds what a frame can

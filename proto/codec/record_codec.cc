@@ -25,11 +25,16 @@ void fields(Io& io, typename Io::template Ref<SubmapPose> r) {
 }
 
 template <class Io>
+void fields(Io& io, typename Io::template Ref<TileKey> r) {
+  io.number("level", r.level);
+  io.template number<std::int32_t>("tx", r.tx, -kMaxTileCoordinate, kMaxTileCoordinate);
+  io.template number<std::int32_t>("ty", r.ty, -kMaxTileCoordinate, kMaxTileCoordinate);
+}
+
+template <class Io>
 void fields(Io& io, typename Io::template Ref<BlockKey> r) {
   io.one_of("layer", r.layer, EvidenceLayer::surface, EvidenceLayer::seen_through);
-  io.number("level", r.tile.level);
-  io.template number<std::int32_t>("tx", r.tile.tx, -kMaxTileCoordinate, kMaxTileCoordinate);
-  io.template number<std::int32_t>("ty", r.tile.ty, -kMaxTileCoordinate, kMaxTileCoordinate);
+  fields(io, r.tile);
   io.template number<std::uint8_t>("block", r.block, 0, kBlocksPerTile - 1);
 }
 
@@ -51,9 +56,18 @@ void fields(Io& io, typename Io::template Ref<PoseReport> r) {
   io.number("sigma", r.sigma_mm);
   io.number("speed", r.speed_mm_s);
   io.one_of("drive state", r.drive, DriveState::idle, DriveState::stopped);
+  io.one_of("localization", r.localization, Localization::localized, Localization::lost);
   io.number("command", r.command);
   io.number("to go", r.to_go_mm);
   io.number("backlog", r.backlog_blocks);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<SubmapLink> r) {
+  fields(io, r.T_previous_submap);
+  io.number("sigma xy", r.sigma_xy_mm);
+  io.number("sigma z", r.sigma_z_mm);
+  io.number("sigma yaw", r.sigma_yaw_1e4rad);
 }
 
 template <class Io>
@@ -65,6 +79,8 @@ void fields(Io& io, typename Io::template Ref<SubmapHead> r) {
   io.template number<std::uint32_t>("blocks", r.blocks, 0, kMaxSubmapBlocks);
   io.number("final versions", r.final_versions);
   io.require("final versions", r.closed ? r.final_versions >= r.blocks : r.final_versions == 0);
+  io.number("edition", r.edition);
+  io.optional("link", r.link, [](Io& each, auto& link) { fields(each, link); });
 }
 
 template <class Io>
@@ -135,6 +151,29 @@ void fields(Io& io, typename Io::template Ref<PathPart> r) {
 }
 
 template <class Io>
+void fields(Io& io, typename Io::template Ref<MapBlock> r) {
+  io.template number<std::uint32_t>("step", r.step, 1);
+  fields(io, r.tile);
+  io.template number<std::uint8_t>("block", r.block, 0, kBlocksPerTile - 1);
+  io.number("holds", r.holds_sequence);
+  coordinate(io, "datum", r.content.datum_mm);
+  io.block("cells", r.content);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<SubmapMove> r) {
+  io.template number<std::uint32_t>("step", r.step, 1);
+  io.template number<std::uint32_t>("sequence", r.sequence, 1);
+  fields(io, r.T_site_submap);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<MapCommit> r) {
+  io.template number<std::uint32_t>("step", r.step, 1);
+  io.number("edition", r.edition);
+}
+
+template <class Io>
 void fields(Io& io, typename Io::template Ref<Ack> r) {
   io.number("cumulative", r.cumulative);
   io.number("bitmap", r.bitmap);
@@ -170,6 +209,9 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, Refusal>) return {20, Sender::server, "refusal"};
   if constexpr (std::is_same_v<R, Command>) return {21, Sender::server, "command"};
   if constexpr (std::is_same_v<R, PathPart>) return {22, Sender::server, "path part"};
+  if constexpr (std::is_same_v<R, MapBlock>) return {23, Sender::server, "map block"};
+  if constexpr (std::is_same_v<R, SubmapMove>) return {24, Sender::server, "submap move"};
+  if constexpr (std::is_same_v<R, MapCommit>) return {25, Sender::server, "map commit"};
   if constexpr (std::is_same_v<R, Ack>) return {32, Sender::both, "ack"};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -36,6 +37,13 @@ struct Hello {
 
 enum class DriveState : std::uint8_t { idle = 0, driving = 1, blocked = 2, stopped = 3 };
 
+/// How sure the robot is of where it is (T4.3.3).
+enum class Localization : std::uint8_t {
+  localized = 0,
+  unsure = 1,  ///< The newest short-term maps did not fit.
+  lost = 2,    ///< The pose is a guess; nothing is added to the map.
+};
+
 /// Where the robot is and what it does; newest only, never resent.
 struct PoseReport {
   std::uint64_t clock_ms = 0;  ///< Robot's monotonic clock when this was true.
@@ -45,6 +53,7 @@ struct PoseReport {
   std::uint16_t sigma_mm = 0;     ///< Standard deviation of the position, saturating.
   std::int16_t speed_mm_s = 0;
   DriveState drive = DriveState::idle;
+  Localization localization = Localization::localized;
   std::uint64_t command = 0;         ///< Command being carried out; 0 = none.
   std::uint32_t to_go_mm = 0;        ///< Distance left along the path.
   std::uint32_t backlog_blocks = 0;  ///< Evidence blocks not yet acknowledged.
@@ -52,7 +61,8 @@ struct PoseReport {
 };
 
 /// A submap's head. When `closed`, `blocks` tells how many blocks it has in all, so that the server
-/// knows when it holds everything.
+/// knows when it holds everything. `edition` names the newest MapCommit that the pose accounts for:
+/// a server that has moved the robot's submaps since then moves this one, too.
 struct SubmapHead {
   std::uint32_t sequence = 0;
   std::uint32_t version = 0;  ///< Counts changes of this head. [Limit: ≥ 1]
@@ -60,6 +70,8 @@ struct SubmapHead {
   bool closed = false;
   std::uint32_t blocks = 0;          ///< [Limit: ≤ kMaxSubmapBlocks]
   std::uint64_t final_versions = 0;  ///< Sum of all blocks' versions when closed, else 0.
+  std::uint32_t edition = 0;
+  std::optional<SubmapLink> link{};  ///< None for the boot's first submap.
   friend bool operator==(const SubmapHead&, const SubmapHead&) = default;
 };
 inline constexpr std::uint32_t kMaxSubmapBlocks = 65536;
@@ -171,6 +183,33 @@ struct PathPart {
   friend bool operator==(const PathPart&, const PathPart&) = default;
 };
 
+/// One block of the long-term map as it now is: cells that `content` does not name are unknown. A
+/// tile comes whole, in all its blocks that hold something; one that holds nothing comes as one
+/// block that names one unknown cell.
+struct MapBlock {
+  std::uint32_t step = 0;  ///< Of the commit it belongs to: a late copy is told by it. [Limit: ≥ 1]
+  TileKey tile;
+  std::uint8_t block = 0;  ///< As in BlockKey.
+  /// The submaps of this boot up to this one are folded into the tile.
+  std::uint32_t holds_sequence = 0;
+  BlockDelta content;
+};
+
+/// Where the server's pose graph now has one of this boot's submaps.
+struct SubmapMove {
+  std::uint32_t step = 0;  ///< As in MapBlock.
+  std::uint32_t sequence = 0;
+  SubmapPose T_site_submap;
+  friend bool operator==(const SubmapMove&, const SubmapMove&) = default;
+};
+
+/// The blocks and moves of this step have all been acknowledged: use them at once.
+struct MapCommit {
+  std::uint32_t step = 0;     ///< Counts up from 1 in a session.
+  std::uint32_t edition = 0;  ///< Counts the moves of this boot's submaps; 0 = never moved.
+  friend bool operator==(const MapCommit&, const MapCommit&) = default;
+};
+
 // ---- both ways ------------------------------------------------------------------------------
 
 /// Frames received: all up to `cumulative`, and cumulative + 2 + i for each set bit i. A robot's
@@ -181,7 +220,8 @@ struct Ack {
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 
-using Record = std::variant<Hello, PoseReport, SubmapHead, BlockUpdate, CommandReport, Bye, Welcome,
-                            Reject, Reset, Refusal, Command, PathPart, Ack>;
+using Record =
+    std::variant<Hello, PoseReport, SubmapHead, BlockUpdate, CommandReport, Bye, Welcome, Reject,
+                 Reset, Refusal, Command, PathPart, MapBlock, SubmapMove, MapCommit, Ack>;
 
 }  // namespace cairn::proto

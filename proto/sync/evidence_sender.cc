@@ -29,11 +29,27 @@ bool EvidenceSender::Outgoing::held() const {
          blocks_under_way == 0;
 }
 
-Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm) {
+Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm,
+                              const std::optional<SubmapLink>& link) {
   assert(open_submap() == nullptr);
   if (submaps_.size() >= kMaxSubmaps) drop_oldest_closed();
   const SubmapId id{boot, ++last_sequence_};
-  return submaps_.try_emplace(id.sequence, id, T_site_submap, cell_size_mm).first->second.submap;
+  Outgoing& outgoing =
+      submaps_.try_emplace(id.sequence, id, T_site_submap, cell_size_mm).first->second;
+  outgoing.submap.link = link;
+  outgoing.head.newest.link = link;
+  outgoing.head.newest.edition = edition_;
+  return outgoing.submap;
+}
+
+void EvidenceSender::place(std::uint32_t sequence, const SubmapPose& T_site_submap) {
+  Outgoing* outgoing = find(sequence);
+  if (outgoing == nullptr) return;
+  outgoing->submap.T_site_submap = T_site_submap;
+  SubmapHead& head = outgoing->head.newest;
+  ++head.version;
+  head.T_site_submap = T_site_submap;
+  head.edition = edition_;
 }
 
 void EvidenceSender::touch(EvidenceLayer layer, const std::vector<CellIndex>& cells) {

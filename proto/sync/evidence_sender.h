@@ -23,7 +23,14 @@ class EvidenceSender {
 
   /// Begins a new submap (sequence one above the last); it becomes the open one. The open one
   /// before it must have been closed. Returns its reference, valid until it is closed.
-  Submap& begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm);
+  /// `link`: how it lies to the one before.
+  Submap& begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm,
+                const std::optional<SubmapLink>& link = std::nullopt);
+  /// A submap lies elsewhere: what the peer does not yet hold in full moves, the rest it has moved
+  /// itself. `edition` as in SubmapHead.
+  void place(std::uint32_t sequence, const SubmapPose& T_site_submap);
+  /// Poses from now on account for this edition of the server's map.
+  void set_edition(std::uint32_t edition) { edition_ = edition; }
   /// The open submap's cells changed (its surface or seen_through was written by the caller).
   /// Requires: an open submap; at most kMaxSubmapBlocks blocks in it.
   void touch(EvidenceLayer layer, const std::vector<CellIndex>& cells);
@@ -107,6 +114,7 @@ class EvidenceSender {
   /// Flight::kReach]
   std::map<std::uint32_t, Cargo> cargoes_;
   std::uint32_t last_sequence_ = 0;
+  std::uint32_t edition_ = 0;
   std::uint64_t turn_ = 0;
   std::uint64_t dropped_submaps_ = 0;
 };

@@ -14,7 +14,9 @@ std::uint64_t to_clock_ms(MonotonicTime now) {
 
 bool elicits_ack(const Frame& frame) {
   return std::ranges::any_of(frame.records, [](const Record& record) {
-    return std::holds_alternative<Command>(record) || std::holds_alternative<PathPart>(record);
+    return std::holds_alternative<Command>(record) || std::holds_alternative<PathPart>(record) ||
+           std::holds_alternative<MapBlock>(record) || std::holds_alternative<SubmapMove>(record) ||
+           std::holds_alternative<MapCommit>(record);
   });
 }
 
@@ -118,6 +120,7 @@ void RobotLink::begin_session(const Welcome& welcome) {
   round_open_ = false;
   round_due_ = {};
   reports_.on_session();
+  map_.on_session();
   if (other_store) orders_.forget();
 }
 
@@ -149,9 +152,20 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
       take(orders_.on_command(*command), orders);
     }
     if (const auto* part = std::get_if<PathPart>(&record)) take(orders_.on_part(*part), orders);
+    take_map(record);
   }
   return orders;
 }
+
+void RobotLink::take_map(const Record& record) {
+  if (const auto* block = std::get_if<MapBlock>(&record)) map_.on_block(*block);
+  if (const auto* move = std::get_if<SubmapMove>(&record)) map_.on_move(*move);
+  if (const auto* commit = std::get_if<MapCommit>(&record)) {
+    if (auto update = map_.on_commit(*commit)) map_updates_.push_back(*std::move(update));
+  }
+}
+
+std::vector<MapUpdate> RobotLink::take_map_updates() { return std::exchange(map_updates_, {}); }
 
 void RobotLink::on_ack(const Ack& ack, MonotonicTime now) {
   const Flight::News news = flight_.on_ack(ack, now);

@@ -14,6 +14,7 @@
 #include "proto/sync/ack_log.h"
 #include "proto/sync/evidence_sender.h"
 #include "proto/sync/flight.h"
+#include "proto/sync/map_inbox.h"
 #include "proto/sync/order_desk.h"
 #include "proto/sync/report_board.h"
 
@@ -74,6 +75,9 @@ class RobotLink {
   using Order = proto::Order;
   /// What a frame brought. A malformed frame is counted and brings nothing.
   std::vector<Order> on_frame(std::span<const std::uint8_t> bytes, MonotonicTime now);
+  /// What came of the long-term map since this was last asked, in its order. Bounded by the server,
+  /// which commits a step only after the one before was acknowledged.
+  std::vector<MapUpdate> take_map_updates();
   /// The next frame to send now; nullopt when nothing is due. Call until nullopt.
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
   /// When `next_frame` should be asked again even if nothing arrives.
@@ -99,6 +103,7 @@ class RobotLink {
   void begin_session(const Welcome& welcome);
   void leave_session();
   std::vector<Order> on_session_frame(const Frame& frame, MonotonicTime now);
+  void take_map(const Record& record);
   void on_ack(const Ack& ack, MonotonicTime now);
   void take(OrderDesk::Outcome outcome, std::vector<Order>& orders);
   void lost(const std::vector<std::uint32_t>& numbers);
@@ -134,6 +139,8 @@ class RobotLink {
   EvidenceSender evidence_;
   ReportBoard reports_;
   OrderDesk orders_;
+  MapInbox map_;
+  std::vector<MapUpdate> map_updates_;
   std::optional<PoseReport> pose_;  ///< Not sent yet.
   MonotonicTime pose_due_{};
   bool round_open_ = false;  ///< Evidence is being sent.

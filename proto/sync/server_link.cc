@@ -72,7 +72,10 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
 
 void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
   const Flight::News news = flight_.on_ack(ack, now);
-  for (const std::uint32_t number : news.acked) orders_.on_acked(number);
+  for (const std::uint32_t number : news.acked) {
+    orders_.on_acked(number);
+    map_.on_acked(number);
+  }
   lost(news.lost);
 }
 
@@ -124,7 +127,10 @@ void ServerLink::command(Command command, const std::vector<PathPart::Point>& pa
 
 void ServerLink::lost(const std::vector<std::uint32_t>& numbers) {
   counters_.frames_lost += numbers.size();
-  for (const std::uint32_t number : numbers) orders_.on_lost(number);
+  for (const std::uint32_t number : numbers) {
+    orders_.on_lost(number);
+    map_.on_lost(number);
+  }
 }
 
 void ServerLink::acknowledge_by(MonotonicTime due) {
@@ -151,7 +157,8 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   if (ack_due_ && frame.add(done_.ack())) ack_due_.reset();
   const bool parts = orders_.fill_parts(frame, number);
   add_refusals(frame);
-  if (command || parts) flight_.sent(number, false, now);
+  const bool map = map_may_go() && map_.fill(frame, number) > 0;
+  if (command || parts || map) flight_.sent(number, map, now);
   ++counters_.frames_sent;
   counters_.bytes_sent += frame.size_bytes() + overhead_bytes_;
   return std::move(frame).finish();
@@ -175,7 +182,7 @@ std::uint64_t ServerLink::in_robot_clock(MonotonicTime time) const {
 
 bool ServerLink::something_is_due(MonotonicTime now) const {
   const bool ack = ack_due_ && now >= *ack_due_;
-  return welcome_due_ || ack || orders_.has_news() || !refusals_.empty();
+  return welcome_due_ || ack || orders_.has_news() || !refusals_.empty() || map_may_go();
 }
 
 MonotonicTime ServerLink::next_due(MonotonicTime now) const {

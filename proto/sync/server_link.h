@@ -13,6 +13,7 @@
 #include "proto/codec/frame.h"
 #include "proto/sync/ack_log.h"
 #include "proto/sync/flight.h"
+#include "proto/sync/map_sender.h"
 #include "proto/sync/order_sender.h"
 #include "proto/sync/robot_link.h"
 
@@ -59,6 +60,10 @@ class ServerLink {
   void command(Command command, const std::vector<PathPart::Point>& path, Duration expires_in,
                MonotonicTime now);
 
+  /// The long-term map on its way to the robot; of this session.
+  [[nodiscard]] MapSender& map() { return map_; }
+  [[nodiscard]] const MapSender& map() const { return map_; }
+
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
   [[nodiscard]] MonotonicTime next_due(MonotonicTime now) const;
 
@@ -87,6 +92,7 @@ class ServerLink {
   void acknowledge_by(MonotonicTime due);
   [[nodiscard]] std::uint64_t in_robot_clock(MonotonicTime time) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
+  [[nodiscard]] bool map_may_go() const { return map_.has_news() && flight_.evidence_may_go(); }
   std::vector<std::uint8_t> session_frame(MonotonicTime now);
   void add_refusals(FrameWriter& frame);
   void lost(const std::vector<std::uint32_t>& numbers);
@@ -104,6 +110,7 @@ class ServerLink {
   Stamp stamp_;
   std::uint64_t newest_pose_ms_ = 0;
   OrderSender orders_;
+  MapSender map_;
   std::deque<Heard> heard_;        ///< Newest report of each revision. [Limit: ≤ kMaxReports]
   std::vector<Refusal> refusals_;  ///< [Limit: ≤ kMaxRefusals]
   LinkCounters counters_;

@@ -13,7 +13,7 @@ class RandomRecords {
   explicit RandomRecords(std::uint64_t seed) : random_(seed) {}
 
   Record any() {
-    switch (between<int>(0, 12)) {
+    switch (between<int>(0, 15)) {
       case 0:
         return Hello{name(), name(), whole<std::uint64_t>(), between<std::uint16_t>(10, 2000),
                      whole<std::uint64_t>()};
@@ -39,6 +39,12 @@ class RandomRecords {
         return command();
       case 11:
         return part();
+      case 12:
+        return map_block();
+      case 13:
+        return SubmapMove{between<std::uint32_t>(1, ~0U), between<std::uint32_t>(1, ~0U), place()};
+      case 14:
+        return MapCommit{between<std::uint32_t>(1, ~0U), whole<std::uint32_t>()};
       default:
         return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
     }
@@ -48,16 +54,14 @@ class RandomRecords {
     const auto base = between<std::uint32_t>(0, ~0U - 1);
     BlockUpdate update{
         whole<std::uint32_t>(), key(), base, between<std::uint32_t>(base + 1, ~0U), {}};
-    update.delta.datum_mm = coordinate();
-    const int density = between(1, 100);
-    for (std::size_t i = 0; i < kBlockCells; ++i) update.delta.changed[i] = percent(density);
-    update.delta.changed.set(between<std::size_t>(0, kBlockCells - 1));
-    const int spread = percent(30) ? Tile::kHeightLimitMm : 300;
-    for (Cell& cell : update.delta.cells) {
-      const int height = update.delta.datum_mm + between(-spread, spread);
-      if (!percent(10)) cell = {height, between<std::uint8_t>(1, 255)};
-    }
+    fill(update.delta);
     return update;
+  }
+  MapBlock map_block() {
+    MapBlock block{
+        between<std::uint32_t>(1, ~0U), tile(), part_of_tile(), whole<std::uint32_t>(), {}};
+    fill(block.content);
+    return block;
   }
 
   template <class T>
@@ -79,11 +83,22 @@ class RandomRecords {
   }
   std::uint64_t id() { return between<std::uint64_t>(1, ~0ULL); }
   std::int32_t coordinate() { return between(-kMaxCoordinateMm, kMaxCoordinateMm); }
-  BlockKey key() {
-    const auto tile = [this] { return between(-kMaxTileCoordinate, kMaxTileCoordinate); };
-    return {pick<EvidenceLayer>(0, 1),
-            {whole<std::int8_t>(), tile(), tile()},
-            between<std::uint8_t>(0, 15)};
+  TileKey tile() {
+    const auto coordinate = [this] { return between(-kMaxTileCoordinate, kMaxTileCoordinate); };
+    return {whole<std::int8_t>(), coordinate(), coordinate()};
+  }
+  std::uint8_t part_of_tile() { return between<std::uint8_t>(0, 15); }
+  BlockKey key() { return {pick<EvidenceLayer>(0, 1), tile(), part_of_tile()}; }
+  void fill(BlockDelta& delta) {
+    delta.datum_mm = coordinate();
+    const int density = between(1, 100);
+    for (std::size_t i = 0; i < kBlockCells; ++i) delta.changed[i] = percent(density);
+    delta.changed.set(between<std::size_t>(0, kBlockCells - 1));
+    const int spread = percent(30) ? Tile::kHeightLimitMm : 300;
+    for (Cell& cell : delta.cells) {
+      const int height = delta.datum_mm + between(-spread, spread);
+      if (!percent(10)) cell = {height, between<std::uint8_t>(1, 255)};
+    }
   }
   SubmapPose place() {
     return {coordinate(), coordinate(), coordinate(), between(-kMaxYaw1e4rad, kMaxYaw1e4rad)};
@@ -105,8 +120,9 @@ class RandomRecords {
     return {whole<std::uint64_t>(), place(),
             whole<std::int16_t>(),  whole<std::int16_t>(),
             whole<std::uint16_t>(), whole<std::int16_t>(),
-            pick<DriveState>(0, 3), whole<std::uint64_t>(),
-            whole<std::uint32_t>(), whole<std::uint32_t>()};
+            pick<DriveState>(0, 3), pick<Localization>(0, 2),
+            whole<std::uint64_t>(), whole<std::uint32_t>(),
+            whole<std::uint32_t>()};
   }
   SubmapHead head() {
     SubmapHead head{whole<std::uint32_t>(),
@@ -114,7 +130,12 @@ class RandomRecords {
                     place(),
                     percent(50),
                     between<std::uint32_t>(0, kMaxSubmapBlocks),
-                    0};
+                    0,
+                    whole<std::uint32_t>()};
+    if (percent(70)) {
+      head.link = SubmapLink{place(), whole<std::uint16_t>(), whole<std::uint16_t>(),
+                             whole<std::uint16_t>()};
+    }
     if (head.closed) head.final_versions = between<std::uint64_t>(head.blocks, ~0ULL);
     return head;
   }

@@ -29,9 +29,19 @@ inline PoseReport sample_pose() {
           .sigma_mm = 42,
           .speed_mm_s = 480,
           .drive = DriveState::driving,
+          .localization = Localization::unsure,
           .command = 9,
           .to_go_mm = 17'500,
           .backlog_blocks = 33};
+}
+
+inline MapBlock sample_map_block() {
+  MapBlock block{.step = 3, .tile = {0, 4, -1}, .block = 6, .holds_sequence = 7, .content = {}};
+  block.content.datum_mm = 2000;
+  block.content.changed.set(3).set(4);
+  block.content.cells[3] = {1990, 250};
+  block.content.cells[4] = {2310, 90};
+  return block;
 }
 
 inline Command sample_command() {
@@ -58,7 +68,8 @@ struct Sample {
 inline std::vector<Sample> sample_records() {
   const auto up = Direction::up;
   const auto down = Direction::down;
-  const SubmapHead head{7, 2, {1'000, -1'000, 20, 15'708}, true, 12, 40};
+  const SubmapLink link{{8'010, -30, 5, 120}, 45, 12, 60};
+  const SubmapHead head{7, 2, {1'000, -1'000, 20, 15'708}, true, 12, 40, 3, link};
   return {
       {"hello", up, Hello{"rover-1", "quarry", 0x1122334455667788, 125, 1'000}},
       {"pose_report", up, sample_pose()},
@@ -72,6 +83,9 @@ inline std::vector<Sample> sample_records() {
       {"refusal", down, Refusal{7, {EvidenceLayer::surface, {0, 1, -1}, 4}, 2}},
       {"command", down, sample_command()},
       {"path_part", down, PathPart{9, 2, 0, {{10'000, 0}, {30'000, -8'000}}}},
+      {"map_block", down, sample_map_block()},
+      {"submap_move", down, SubmapMove{3, 7, {1'040, -980, 25, 15'720}}},
+      {"map_commit", down, MapCommit{3, 2}},
       {"ack_up", up, Ack{300, 0x5}},
       {"ack_down", down, Ack{41, 0x8000000000000000}},
   };
@@ -92,6 +106,10 @@ inline bool same_delta(const BlockDelta& a, const BlockDelta& b) {
   return true;
 }
 
+inline bool same(const MapBlock& a, const MapBlock& b) {
+  return a.step == b.step && a.tile == b.tile && a.block == b.block &&
+         a.holds_sequence == b.holds_sequence && same_delta(a.content, b.content);
+}
 inline bool same(const BlockUpdate& a, const BlockUpdate& b) {
   return a.sequence == b.sequence && a.key == b.key && a.base == b.base && a.version == b.version &&
          same_delta(a.delta, b.delta);
