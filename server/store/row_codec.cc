@@ -1,6 +1,9 @@
 #include "server/store/row_codec.h"
 
+#include <algorithm>
+#include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -47,10 +50,57 @@ bool plausible(const SiteInfo& info) {
          info.cell_size_mm <= kMaxCellSizeMm;
 }
 
+bool plausible(const SubmapPose& pose) {
+  return std::int64_t{std::abs(std::int64_t{pose.yaw_1e4rad})} <= kMaxYaw1e4rad;
+}
+
 bool plausible(const SubmapRow& row) {
   return proto::valid_name(row.robot) && row.blocks <= proto::kMaxSubmapBlocks &&
-         row.state <= SubmapState::merged &&
-         std::int64_t{std::abs(std::int64_t{row.T_site_submap.yaw_1e4rad})} <= kMaxYaw1e4rad;
+         row.state <= SubmapState::merged && plausible(row.T_site_submap) &&
+         (!row.link || plausible(row.link->T_previous_submap));
+}
+
+bool plausible(const LoopRow& row) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return row.status <= 2 && std::ranges::all_of(row.T_from_to, finite) &&
+         std::ranges::all_of(row.information, finite);
+}
+
+void put_pose(ByteWriter& out, const SubmapPose& pose) {
+  out.put(pose.x_mm);
+  out.put(pose.y_mm);
+  out.put(pose.z_mm);
+  out.put(pose.yaw_1e4rad);
+}
+
+SubmapPose get_pose(ByteReader& in) {
+  SubmapPose pose;
+  pose.x_mm = in.get<std::int32_t>();
+  pose.y_mm = in.get<std::int32_t>();
+  pose.z_mm = in.get<std::int32_t>();
+  pose.yaw_1e4rad = in.get<std::int32_t>();
+  return pose;
+}
+
+void put_link(ByteWriter& out, const std::optional<SubmapLink>& link) {
+  out.put(std::uint8_t{link.has_value()});
+  if (!link) return;
+  put_pose(out, link->T_previous_submap);
+  out.put(link->sigma_xy_mm);
+  out.put(link->sigma_z_mm);
+  out.put(link->sigma_yaw_1e4rad);
+}
+
+std::optional<SubmapLink> get_link(ByteReader& in) {
+  const auto linked = in.get<std::uint8_t>();
+  if (linked > 1) in.fail();
+  if (linked != 1) return std::nullopt;
+  SubmapLink link;
+  link.T_previous_submap = get_pose(in);
+  link.sigma_xy_mm = in.get<std::uint16_t>();
+  link.sigma_z_mm = in.get<std::uint16_t>();
+  link.sigma_yaw_1e4rad = in.get<std::uint16_t>();
+  return link;
 }
 
 bool in_range(std::int64_t offset_mm) {
@@ -136,6 +186,15 @@ Bytes key_of(const TileKey& tile) {
   return key;
 }
 
+Bytes key_of(char kind, const SubmapId& from, const SubmapId& to) {
+  Bytes key = key_of(from);
+  key[0] = static_cast<std::uint8_t>(kind);
+  ByteWriter out(key);
+  out.put(to.boot);
+  out.put(to.sequence);
+  return key;
+}
+
 Bytes key_of_note(std::string_view name) {
   Bytes key{'N'};
   ByteWriter out(key);
@@ -180,14 +239,13 @@ Result<Bytes> encode(const SubmapRow& row) {
   ByteWriter out(body);
   put_name(out, row.robot);
   out.put(row.head_version);
-  out.put(row.T_site_submap.x_mm);
-  out.put(row.T_site_submap.y_mm);
-  out.put(row.T_site_submap.z_mm);
-  out.put(row.T_site_submap.yaw_1e4rad);
+  put_pose(out, row.T_site_submap);
   out.put(static_cast<std::uint8_t>(row.state));
   out.put(row.blocks);
   out.put(row.final_versions);
   out.put(row.merge_order);
+  out.put(row.edition);
+  put_link(out, row.link);
   return body;
 }
 
@@ -197,14 +255,13 @@ Result<SubmapRow> decode_submap(const SubmapId& id, ByteSpan body) {
   row.id = id;
   row.robot = get_name(in);
   row.head_version = in.get<std::uint32_t>();
-  row.T_site_submap.x_mm = in.get<std::int32_t>();
-  row.T_site_submap.y_mm = in.get<std::int32_t>();
-  row.T_site_submap.z_mm = in.get<std::int32_t>();
-  row.T_site_submap.yaw_1e4rad = in.get<std::int32_t>();
+  row.T_site_submap = get_pose(in);
   row.state = static_cast<SubmapState>(in.get<std::uint8_t>());
   row.blocks = in.get<std::uint32_t>();
   row.final_versions = in.get<std::uint64_t>();
   row.merge_order = in.get<std::uint64_t>();
+  row.edition = in.get<std::uint32_t>();
+  row.link = get_link(in);
   if (!complete(in) || !plausible(row)) return corrupt(submap_name(id) + " breaks the format");
   return row;
 }
@@ -266,6 +323,49 @@ Result<TileRow> decode_tile(const TileKey& key, ByteSpan body) {
   auto tile = PackedTile::from_bytes(in.take(in.left()));
   if (!tile) return tile.error();
   return TileRow{.key = key, .version = version, .tile = std::move(tile).value()};
+}
+
+Result<Bytes> encode(const LoopRow& row) {
+  if (!plausible(row)) {
+    return refused("the loop from " + submap_name(row.from) + " breaks a bound and was not stored");
+  }
+  Bytes body;
+  ByteWriter out(body);
+  out.put(row.status);
+  for (const double value : row.T_from_to) out.put(std::bit_cast<std::uint64_t>(value));
+  for (const double value : row.information) out.put(std::bit_cast<std::uint64_t>(value));
+  return body;
+}
+
+Result<LoopRow> decode_loop(const SubmapId& from, const SubmapId& to, ByteSpan body) {
+  ByteReader in(body);
+  LoopRow row{.from = from, .to = to};
+  row.status = in.get<std::uint8_t>();
+  for (double& value : row.T_from_to) value = std::bit_cast<double>(in.get<std::uint64_t>());
+  for (double& value : row.information) value = std::bit_cast<double>(in.get<std::uint64_t>());
+  if (!complete(in) || !plausible(row)) {
+    return corrupt("the loop from " + submap_name(from) + " breaks the format");
+  }
+  return row;
+}
+
+Result<Bytes> encode(const TriedRow& row) {
+  if (!std::isfinite(row.sigma_m)) return refused("how well a pair was known is no number");
+  Bytes body;
+  ByteWriter out(body);
+  out.put(row.tries);
+  out.put(std::bit_cast<std::uint64_t>(row.sigma_m));
+  return body;
+}
+
+Result<TriedRow> decode_tried(const SubmapId& a, const SubmapId& b, ByteSpan body) {
+  ByteReader in(body);
+  TriedRow row{.a = a, .b = b, .tries = in.get<std::uint32_t>()};
+  row.sigma_m = std::bit_cast<double>(in.get<std::uint64_t>());
+  if (!complete(in) || !std::isfinite(row.sigma_m)) {
+    return corrupt("the comparison of " + submap_name(a) + " breaks the format");
+  }
+  return row;
 }
 
 Status check_note(std::string_view name, std::string_view value) {

@@ -35,6 +35,8 @@ inline constexpr std::size_t kMaxNoteBytes = 65536;
 [[nodiscard]] Bytes key_of(const SubmapId& id);
 [[nodiscard]] Bytes key_of(const SubmapId& id, const BlockKey& key);
 [[nodiscard]] Bytes key_of(const TileKey& key);
+/// Of a loop ('L') or of a pair that was tried ('C').
+[[nodiscard]] Bytes key_of(char kind, const SubmapId& from, const SubmapId& to);
 [[nodiscard]] Bytes key_of_note(std::string_view name);
 
 /// CRC-32C over key, then body.
@@ -45,6 +47,8 @@ inline constexpr std::size_t kMaxNoteBytes = 65536;
 [[nodiscard]] Result<Bytes> encode(const SubmapRow& row);
 [[nodiscard]] Result<Bytes> encode(const BlockRow& row);
 [[nodiscard]] Result<Bytes> encode(const TileRow& row);
+[[nodiscard]] Result<Bytes> encode(const LoopRow& row);
+[[nodiscard]] Result<Bytes> encode(const TriedRow& row);
 [[nodiscard]] Status check_note(std::string_view name, std::string_view value);
 
 /// corrupt when a bound is broken or bytes are missing or left over.
@@ -52,6 +56,8 @@ inline constexpr std::size_t kMaxNoteBytes = 65536;
 [[nodiscard]] Result<SubmapRow> decode_submap(const SubmapId& id, ByteSpan body);
 [[nodiscard]] Result<BlockRow> decode_block(const SubmapId& id, const BlockKey& key, ByteSpan body);
 [[nodiscard]] Result<TileRow> decode_tile(const TileKey& key, ByteSpan body);
+[[nodiscard]] Result<LoopRow> decode_loop(const SubmapId& from, const SubmapId& to, ByteSpan body);
+[[nodiscard]] Result<TriedRow> decode_tried(const SubmapId& a, const SubmapId& b, ByteSpan body);
 
 /// For messages: "submap 00000000000000ab/7".
 [[nodiscard]] std::string submap_name(const SubmapId& id);

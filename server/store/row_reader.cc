@@ -20,6 +20,20 @@ Status check_crc(ByteSpan key, ByteSpan body, std::int64_t crc, const std::strin
   return Error{ErrorCode::corrupt, name + " fails its checksum: restore the site from a backup"};
 }
 
+std::pair<SubmapId, SubmapId> pair_of(const sqlite::Statement& row) {
+  const auto id = [&row](int column) {
+    return SubmapId{static_cast<std::uint64_t>(row.integer(column)),
+                    static_cast<std::uint32_t>(row.integer(column + 1))};
+  };
+  return {id(0), id(2)};
+}
+
+Status check_pair(char kind, const sqlite::Statement& row) {
+  const auto [from, to] = pair_of(row);
+  return check_crc(key_of(kind, from, to), row.bytes(4), row.integer(5),
+                   "what is known of " + submap_name(from) + " and " + submap_name(to));
+}
+
 }  // namespace
 
 Result<SiteInfo> read_site(const sqlite::Statement& row) {
@@ -53,6 +67,18 @@ Result<TileRow> read_tile(const sqlite::Statement& row) {
     return sound.error();
   }
   return decode_tile(key, row.bytes(1));
+}
+
+Result<LoopRow> read_loop(const sqlite::Statement& row) {
+  const auto [from, to] = pair_of(row);
+  if (auto sound = check_pair('L', row); !sound) return sound.error();
+  return decode_loop(from, to, row.bytes(4));
+}
+
+Result<TriedRow> read_tried(const sqlite::Statement& row) {
+  const auto [a, b] = pair_of(row);
+  if (auto sound = check_pair('C', row); !sound) return sound.error();
+  return decode_tried(a, b, row.bytes(4));
 }
 
 Result<std::pair<std::string, std::string>> read_note(const sqlite::Statement& row) {

@@ -18,12 +18,18 @@ inline constexpr const char* kSelectSubmaps =
 inline constexpr const char* kSelectBlocks =
     "SELECT tile, part, body, crc FROM block WHERE submap = ?1 ORDER BY tile, part";
 inline constexpr const char* kSelectTiles = "SELECT key, body, crc FROM tile ORDER BY key";
+inline constexpr const char* kSelectLoops =
+    "SELECT from_boot, from_sequence, to_boot, to_sequence, body, crc FROM loop";
+inline constexpr const char* kSelectTried =
+    "SELECT from_boot, from_sequence, to_boot, to_sequence, body, crc FROM tried";
 inline constexpr const char* kSelectNotes = "SELECT name, value, crc FROM note ORDER BY name";
 
 [[nodiscard]] Result<SiteInfo> read_site(const sqlite::Statement& row);
 [[nodiscard]] Result<SubmapRow> read_submap(const sqlite::Statement& row);
 [[nodiscard]] Result<BlockRow> read_block(const sqlite::Statement& row, const SubmapId& id);
 [[nodiscard]] Result<TileRow> read_tile(const sqlite::Statement& row);
+[[nodiscard]] Result<LoopRow> read_loop(const sqlite::Statement& row);
+[[nodiscard]] Result<TriedRow> read_tried(const sqlite::Statement& row);
 [[nodiscard]] Result<std::pair<std::string, std::string>> read_note(const sqlite::Statement& row);
 
 }  // namespace cairn::server

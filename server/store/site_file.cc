@@ -8,12 +8,14 @@
 #include <cstring>
 
 #include "server/store/row_codec.h"
+#include "server/store/upgrade.h"
 
 namespace cairn::server {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// Of format 1: founding brings it up to date like any other.
 constexpr const char* kSchema = R"sql(
 PRAGMA page_size = 4096;
 BEGIN;
@@ -71,6 +73,7 @@ Status write_empty_site(const fs::path& file, const Bytes& site_body) {
   for (const char* sql : {"PRAGMA synchronous = FULL", kSchema, "PRAGMA journal_mode = WAL"}) {
     if (auto done = database->execute(sql); !done) return done;
   }
+  if (auto current = bring_up_to_date(*database); !current) return current;
   auto insert = database->prepare("INSERT INTO site VALUES (1, ?1, ?2)");
   if (!insert) return insert.error();
   return insert->bind(1, ByteSpan(site_body))
@@ -153,6 +156,7 @@ Result<sqlite::Database> open_site_file(const fs::path& file) {
        {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL", "PRAGMA cell_size_check = ON"}) {
     if (auto done = database->execute(sql); !done) return done.error();
   }
+  if (auto current = bring_up_to_date(*database); !current) return current.error();
   database->set(SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, false);
   return database;
 }

@@ -14,8 +14,9 @@ using sqlite::Statement;
 /// Everything the store ever asks, prepared once.
 struct Statements {
   Statement begin, commit, rollback;
-  Statement put_submap, put_block, put_tile, put_note;
-  Statement row_of_submap, all_submaps, blocks_of_submap, all_tiles, all_notes;
+  Statement put_submap, put_block, put_tile, put_loop, put_tried, put_note, erase_tile;
+  Statement row_of_submap, all_submaps, blocks_of_submap, all_tiles, all_loops, all_tried,
+      all_notes;
 };
 
 Status prepare_all(Database& database, Statements& statements) {
@@ -32,11 +33,16 @@ Status prepare_all(Database& database, Statements& statements) {
        "ON CONFLICT (boot, sequence) DO UPDATE SET body = excluded.body, crc = excluded.crc"},
       {&statements.put_block, "INSERT OR REPLACE INTO block VALUES (?1, ?2, ?3, ?4, ?5)"},
       {&statements.put_tile, "INSERT OR REPLACE INTO tile VALUES (?1, ?2, ?3)"},
+      {&statements.put_loop, "INSERT OR REPLACE INTO loop VALUES (?1, ?2, ?3, ?4, ?5, ?6)"},
+      {&statements.put_tried, "INSERT OR REPLACE INTO tried VALUES (?1, ?2, ?3, ?4, ?5, ?6)"},
+      {&statements.erase_tile, "DELETE FROM tile WHERE key = ?1"},
       {&statements.put_note, "INSERT OR REPLACE INTO note VALUES (?1, ?2, ?3)"},
       {&statements.row_of_submap, "SELECT row FROM submap WHERE boot = ?1 AND sequence = ?2"},
       {&statements.all_submaps, kSelectSubmaps},
       {&statements.blocks_of_submap, kSelectBlocks},
       {&statements.all_tiles, kSelectTiles},
+      {&statements.all_loops, kSelectLoops},
+      {&statements.all_tried, kSelectTried},
       {&statements.all_notes, kSelectNotes},
   };
   for (const Wanted& wanted : all) {
@@ -59,6 +65,8 @@ class SqliteSite final : public Store {
   Result<std::vector<SubmapRow>> submaps() override;
   Result<std::vector<BlockRow>> blocks_of(const SubmapId& id) override;
   Result<std::vector<TileRow>> tiles() override;
+  Result<std::vector<LoopRow>> loops() override;
+  Result<std::vector<TriedRow>> tried() override;
   Result<std::map<std::string, std::string>> notes() override;
   Result<StoreReport> verify() override { return verify_rows(database_); }
 
@@ -67,6 +75,8 @@ class SqliteSite final : public Store {
   Status put(const SubmapRow& row);
   Status put(const BlockRow& row);
   Status put(const TileRow& row);
+  Status put(const LoopRow& row);
+  Status put(const TriedRow& row);
   Status put(const std::pair<const std::string, std::string>& note);
   Result<std::optional<std::int64_t>> row_of(const SubmapId& id);
 
@@ -94,7 +104,12 @@ Status SqliteSite::write(const Transaction& transaction) {
   };
   Status done = put_each(transaction.submaps);
   if (done) done = put_each(transaction.blocks);
+  for (const TileKey& key : transaction.erased_tiles) {
+    if (done) done = statements_.erase_tile.bind(1, pack(key)).run();
+  }
   if (done) done = put_each(transaction.tiles);
+  if (done) done = put_each(transaction.loops);
+  if (done) done = put_each(transaction.tried);
   if (done) done = put_each(transaction.notes);
   return done;
 }
@@ -133,6 +148,29 @@ Status SqliteSite::put(const TileRow& row) {
       .bind(2, ByteSpan(*body))
       .bind(3, std::int64_t{row_crc(key_of(row.key), *body)})
       .run();
+}
+
+Status put_pair(Statement& statement, char kind, const SubmapId& from, const SubmapId& to,
+                const Bytes& body) {
+  return statement.bind(1, static_cast<std::int64_t>(from.boot))
+      .bind(2, std::int64_t{from.sequence})
+      .bind(3, static_cast<std::int64_t>(to.boot))
+      .bind(4, std::int64_t{to.sequence})
+      .bind(5, ByteSpan(body))
+      .bind(6, std::int64_t{row_crc(key_of(kind, from, to), body)})
+      .run();
+}
+
+Status SqliteSite::put(const LoopRow& row) {
+  const auto body = encode(row);
+  if (!body) return body.error();
+  return put_pair(statements_.put_loop, 'L', row.from, row.to, *body);
+}
+
+Status SqliteSite::put(const TriedRow& row) {
+  const auto body = encode(row);
+  if (!body) return body.error();
+  return put_pair(statements_.put_tried, 'C', row.a, row.b, *body);
 }
 
 Status SqliteSite::put(const std::pair<const std::string, std::string>& note) {
@@ -188,6 +226,14 @@ Result<std::vector<BlockRow>> SqliteSite::blocks_of(const SubmapId& id) {
 
 Result<std::vector<TileRow>> SqliteSite::tiles() {
   return read_all(statements_.all_tiles, read_tile);
+}
+
+Result<std::vector<LoopRow>> SqliteSite::loops() {
+  return read_all(statements_.all_loops, read_loop);
+}
+
+Result<std::vector<TriedRow>> SqliteSite::tried() {
+  return read_all(statements_.all_tried, read_tried);
 }
 
 Result<std::map<std::string, std::string>> SqliteSite::notes() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -38,6 +39,18 @@ struct SubmapRow {
   std::uint32_t blocks = 0;          ///< Expected in all, once closed.
   std::uint64_t final_versions = 0;  ///< Expected sum of block versions, once closed.
   std::uint64_t merge_order = 0;     ///< 1, 2, … in the order of folding; 0 = not merged.
+  std::uint32_t edition = 0;         ///< Of the corrections of its boot that its pose accounts for.
+  std::optional<SubmapLink> link{};
+};
+
+/// How two submaps lie to each other, found by registration: what keeps the map straight.
+struct LoopRow {
+  SubmapId from;
+  SubmapId to;
+  std::uint8_t status = 0;            ///< 0 takes part, 1 held back, 2 contradicts the rest.
+  std::array<double, 4> T_from_to{};  ///< x, y, z [m], yaw [rad].
+  /// Of T_from_to, along the axes of `from`: the upper half of the matrix, row by row.
+  std::array<double, 10> information{};
 };
 
 /// A block as held: version and absolute values (all known cells).
@@ -54,14 +67,26 @@ struct TileRow {
   PackedTile tile;
 };
 
+/// Two submaps that were compared, so that they need not be again.
+struct TriedRow {
+  SubmapId a;  ///< a < b
+  SubmapId b;
+  std::uint32_t tries = 0;
+  double sigma_m = 0.0;  ///< How well b's place in a was known then.
+};
+
 /// What one transaction writes: all of it becomes durable, or none.
 struct Transaction {
   std::vector<SubmapRow> submaps;            ///< Inserted or replaced.
   std::vector<BlockRow> blocks;              ///< Inserted or replaced.
   std::vector<TileRow> tiles;                ///< Inserted or replaced.
+  std::vector<LoopRow> loops{};              ///< Inserted or replaced.
+  std::vector<TriedRow> tried{};             ///< Inserted or replaced.
+  std::vector<TileKey> erased_tiles{};       ///< Removed, before tiles are inserted.
   std::map<std::string, std::string> notes;  ///< Small named values (next command id, …).
   [[nodiscard]] bool empty() const {
-    return submaps.empty() && blocks.empty() && tiles.empty() && notes.empty();
+    return submaps.empty() && blocks.empty() && tiles.empty() && loops.empty() && tried.empty() &&
+           erased_tiles.empty() && notes.empty();
   }
 };
 
@@ -70,6 +95,7 @@ struct StoreReport {
   std::uint64_t submaps = 0;
   std::uint64_t blocks = 0;
   std::uint64_t tiles = 0;
+  std::uint64_t loops = 0;
   std::vector<std::string> faults;  ///< One line each, at most kMaxFaults.
   static constexpr std::size_t kMaxFaults = 100;
 };
@@ -90,6 +116,8 @@ class Store {
   virtual Result<std::vector<SubmapRow>> submaps() = 0;
   virtual Result<std::vector<BlockRow>> blocks_of(const SubmapId& id) = 0;
   virtual Result<std::vector<TileRow>> tiles() = 0;
+  virtual Result<std::vector<LoopRow>> loops() = 0;
+  virtual Result<std::vector<TriedRow>> tried() = 0;
   virtual Result<std::map<std::string, std::string>> notes() = 0;
   /// Reads every row and checks every checksum and bound.
   virtual Result<StoreReport> verify() = 0;

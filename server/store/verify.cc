@@ -102,6 +102,12 @@ Result<StoreReport> verify_rows(sqlite::Database& database) {
     ++report.tiles;
     note_fault(report, read_tile(row));
   });
+  look_at_all(report, database, kSelectLoops, [&](const sqlite::Statement& row) {
+    ++report.loops;
+    note_fault(report, read_loop(row));
+  });
+  look_at_all(report, database, kSelectTried,
+              [&](const sqlite::Statement& row) { note_fault(report, read_tried(row)); });
   look_at_all(report, database, kSelectNotes,
               [&](const sqlite::Statement& row) { note_fault(report, read_note(row)); });
   return report;

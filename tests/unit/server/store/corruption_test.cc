@@ -26,13 +26,15 @@ class Corruption : public StoreTest, public testing::WithParamInterface<Place> {
     Tile tile(0);
     tile.set(5, {40, 200});
     small.tiles = {{.key = {}, .version = 1, .tile = PackedTile::pack(tile)}};
+    small.loops = {sample_loop(1, 2)};
+    small.tried = {{.a = {1, 2}, .b = {1, 3}, .tries = 1, .sigma_m = 0.25}};
     small.notes = {{"note", "value"}};
     commit(*found(), small);
   }
   /// Whether any reading function refuses the file as corrupt.
   static bool reading_fails(Store& store) {
     return !store.submaps() || !store.blocks_of(sample_submap(1).id) || !store.tiles() ||
-           !store.notes();
+           !store.loops() || !store.tried() || !store.notes();
   }
 };
 
@@ -100,7 +102,8 @@ TEST_P(Corruption, OfAnySingleBitIsFoundByVerifyAndByReading) {
 
 INSTANTIATE_TEST_SUITE_P(All, Corruption,
                          testing::Values(Place{"submap", "body"}, Place{"block", "body"},
-                                         Place{"tile", "body"}, Place{"note", "value"}),
+                                         Place{"tile", "body"}, Place{"loop", "body"},
+                                         Place{"tried", "body"}, Place{"note", "value"}),
                          [](const auto& place) { return std::string(place.param.table); });
 
 class CorruptKeys : public Corruption {};
@@ -111,7 +114,8 @@ TEST_F(CorruptKeys, OfRowsAreFound) {
        {"UPDATE submap SET sequence = sequence + 1", "UPDATE submap SET boot = boot + 1",
         "UPDATE block SET tile = tile + 1", "UPDATE block SET part = part + 1",
         "UPDATE block SET submap = submap + 1", "UPDATE tile SET key = key + 1",
-        "UPDATE note SET name = name || 'x'", "UPDATE tile SET crc = crc + 1"}) {
+        "UPDATE loop SET to_boot = to_boot + 1", "UPDATE note SET name = name || 'x'",
+        "UPDATE tile SET crc = crc + 1"}) {
     const std::string sound = content_of(file_);
     tamper(file_, change);
     const auto report = reopen()->verify();

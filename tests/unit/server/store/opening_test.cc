@@ -2,6 +2,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <iomanip>
+
+#include "server/store/row_codec.h"
 #include "tests/unit/server/store/store_fixture.h"
 
 namespace cairn::server {
@@ -78,10 +81,35 @@ TEST_F(Opening, SaysThatThereIsNoSite) { expect_refused(ErrorCode::not_found, "n
 
 TEST_F(Opening, RefusesAFileOfANewerVersionUnchanged) {
   (void)found();
-  tamper(file_, "PRAGMA user_version = 2");
+  tamper(file_, "PRAGMA user_version = 3");
   const std::string before = content_of(file_);
-  expect_refused(ErrorCode::unsupported_version, "format 2, this Cairn knows 1: update Cairn");
+  expect_refused(ErrorCode::unsupported_version, "format 3, this Cairn knows 2: update Cairn");
   EXPECT_EQ(content_of(file_), before);
+}
+
+TEST_F(Opening, BringsAFileOfFormat1UpToDate) {
+  SubmapRow kept = sample_submap(1);
+  {
+    const auto store = found();
+    commit(*store, {.submaps = {kept}, .blocks = {}, .tiles = {}, .notes = {}});
+  }
+  Bytes body = *encode(kept);
+  body.resize(body.size() - 5);  // Without edition and link, as format 1 had it.
+  const std::uint32_t crc = row_crc(key_of(kept.id), body);
+  std::ostringstream hex;
+  for (const std::uint8_t byte : body) {
+    hex << std::hex << std::setfill('0') << std::setw(2) << int{byte};
+  }
+  tamper(file_, "DROP TABLE loop; PRAGMA user_version = 1; UPDATE submap SET body = x'" +
+                    hex.str() + "', crc = " + std::to_string(crc));
+  const auto opened = SqliteStore::open(file_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const auto submaps = (*opened)->submaps();
+  ASSERT_TRUE(submaps) << submaps.error().message;
+  ASSERT_EQ(submaps->size(), 1U);
+  EXPECT_TRUE(same(submaps->front(), kept));
+  EXPECT_TRUE((*opened)->loops()->empty());
+  EXPECT_TRUE((*opened)->verify()->faults.empty());
 }
 
 TEST_F(Opening, RefusesGarbageUnchanged) {

@@ -23,6 +23,10 @@ Transaction sample_transaction() {
                 sample_block(all.submaps[0].id, {EvidenceLayer::seen_through, {-3, -5, 7}, 0}, 4),
                 sample_block(merged.id, {EvidenceLayer::surface, {0, 0, 0}, 0}, 7)};
   all.tiles = {sample_tile({0, -33554432, 33554431}, 1), sample_tile({2, 0, 0}, 5)};
+  all.loops = {sample_loop(1, 2)};
+  all.tried = {{.a = sample_submap(1).id, .b = sample_submap(2).id, .tries = 2, .sigma_m = 0.5}};
+  all.submaps[0].edition = 5;
+  all.submaps[0].link = SubmapLink{{8000, -20, 3, 150}, 40, 11, 65};
   all.notes = {{"next_command", "12"}, {"empty", ""}};
   return all;
 }
@@ -45,6 +49,15 @@ void expect_all(Store& store, const Transaction& expected) {
   for (const TileRow& wanted : expected.tiles) {
     EXPECT_TRUE(std::ranges::any_of(*tiles, [&](const auto& row) { return same(row, wanted); }));
   }
+  const auto loops = store.loops();
+  ASSERT_TRUE(loops) << loops.error().message;
+  ASSERT_EQ(loops->size(), 1U);
+  EXPECT_TRUE(same(loops->front(), expected.loops.front()));
+  const auto tried = store.tried();
+  ASSERT_TRUE(tried) << tried.error().message;
+  ASSERT_EQ(tried->size(), 1U);
+  EXPECT_EQ(tried->front().tries, 2U);
+  EXPECT_EQ(tried->front().sigma_m, 0.5);
   const auto notes = store.notes();
   ASSERT_TRUE(notes) << notes.error().message;
   EXPECT_EQ(*notes, expected.notes);
@@ -56,6 +69,17 @@ TEST_F(SqliteStoreTest, GivesBackWhatWasCommitted) {
   const auto store = found();
   commit(*store, sample_transaction());
   expect_all(*store, sample_transaction());
+}
+
+TEST_F(SqliteStoreTest, ATileThatWasErasedIsGone) {
+  const auto store = found();
+  commit(*store, sample_transaction());
+  commit(*store,
+         {.submaps = {}, .blocks = {}, .tiles = {}, .erased_tiles = {{2, 0, 0}}, .notes = {}});
+  const auto tiles = store->tiles();
+  ASSERT_TRUE(tiles);
+  ASSERT_EQ(tiles->size(), 1U);
+  EXPECT_EQ(tiles->front().key, sample_transaction().tiles.front().key);
 }
 
 TEST_F(SqliteStoreTest, GivesBackWhatWasCommittedAfterReopening) {

@@ -53,10 +53,24 @@ inline TileRow sample_tile(const TileKey& key, std::uint32_t seed) {
   return {.key = key, .version = seed + 1, .tile = PackedTile::pack(tile)};
 }
 
+inline LoopRow sample_loop(std::uint32_t from, std::uint32_t to) {
+  return {.from = sample_submap(from).id,
+          .to = sample_submap(to).id,
+          .status = 1,
+          .T_from_to = {1.5, -2.25, 0.01, 3.0},
+          .information = {1, 2, 3, 4, 5, 6, 7, 8, 9, 1e9}};
+}
+
+inline bool same(const LoopRow& a, const LoopRow& b) {
+  return a.from == b.from && a.to == b.to && a.status == b.status && a.T_from_to == b.T_from_to &&
+         a.information == b.information;
+}
+
 inline bool same(const SubmapRow& a, const SubmapRow& b) {
   return a.id == b.id && a.robot == b.robot && a.head_version == b.head_version &&
          a.T_site_submap == b.T_site_submap && a.state == b.state && a.blocks == b.blocks &&
-         a.final_versions == b.final_versions && a.merge_order == b.merge_order;
+         a.final_versions == b.final_versions && a.merge_order == b.merge_order &&
+         a.edition == b.edition && a.link == b.link;
 }
 
 inline bool same(const BlockRow& a, const BlockRow& b) {

@@ -41,6 +41,8 @@ class FlakyStore : public Store {
     return store_->blocks_of(id);
   }
   Result<std::vector<TileRow>> tiles() override { return store_->tiles(); }
+  Result<std::vector<LoopRow>> loops() override { return store_->loops(); }
+  Result<std::vector<TriedRow>> tried() override { return store_->tried(); }
   Result<std::map<std::string, std::string>> notes() override { return store_->notes(); }
   Result<StoreReport> verify() override { return store_->verify(); }
 
