@@ -32,7 +32,7 @@ struct MapOffer {
 /// map never lies partly in an old place and partly in a new one.
 class MapSender {
  public:
-  static constexpr std::size_t kMaxTiles = 16;
+  static constexpr std::size_t kMaxTiles = 64;
   static constexpr std::size_t kMaxMoves = 4096;
 
   /// Nothing is being sent: an offer may be made.

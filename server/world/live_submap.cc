@@ -38,11 +38,20 @@ bool LiveSubmap::take_head(const proto::SubmapHead& head) {
   row_.T_site_submap = head.T_site_submap;
   row_.blocks = head.blocks;
   row_.final_versions = head.final_versions;
+  row_.edition = head.edition;
+  row_.link = head.link;
   if (head.closed) row_.state = SubmapState::closed;
   submap_.T_site_submap = head.T_site_submap;
   submap_.closed = submap_.closed || head.closed;
   place();
   return true;
+}
+
+void LiveSubmap::move_to(const SubmapPose& T_site_submap, std::uint32_t edition) {
+  row_.T_site_submap = T_site_submap;
+  row_.edition = edition;
+  submap_.T_site_submap = T_site_submap;
+  place();
 }
 
 LiveSubmap::Outcome LiveSubmap::take_block(const proto::BlockUpdate& update) {

@@ -24,6 +24,9 @@ class LiveSubmap {
   /// Takes a newer head; an older or equal one changes nothing. Returns whether it was news.
   bool take_head(const proto::SubmapHead& head);
 
+  /// It lies elsewhere: the pose graph has moved what its boot placed.
+  void move_to(const SubmapPose& T_site_submap, std::uint32_t edition);
+
   struct Outcome {
     proto::Verdict verdict = proto::Verdict::stale;
     std::uint32_t held = 0;  ///< Version now held of that block.

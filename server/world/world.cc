@@ -56,8 +56,16 @@ Status World::load() {
   auto tiles = store_->tiles();
   if (!tiles) return tiles.error();
   for (TileRow& row : *tiles) {
-    base_[row.key] = std::make_shared<const PackedTile>(std::move(row.tile));
+    ledger_.changed(row.key, TileLedger::kNobody);
     dirty_tiles_.insert(row.key);
+    base_[row.key] = std::make_shared<const PackedTile>(std::move(row.tile));
+  }
+  for (const auto& [name, text] : *notes) {
+    const auto boot = boot_of_note(name);
+    if (!boot) continue;
+    auto corrections = Corrections::from_text(text);
+    if (!corrections) return corrections.error();
+    corrections_[*boot] = *std::move(corrections);
   }
 
   auto submaps = store_->submaps();
@@ -65,7 +73,8 @@ Status World::load() {
   for (const SubmapRow& row : *submaps) {
     merge_order_ = std::max(merge_order_, row.merge_order);
     if (row.state == SubmapState::merged) {
-      merged_.insert(row.id);
+      const auto moved = corrections_.find(row.id.boot);
+      merged_[row.id] = {row, {}, moved == corrections_.end() ? 0 : moved->second.edition()};
       continue;
     }
     auto blocks = store_->blocks_of(row.id);
@@ -93,7 +102,7 @@ World::Staged World::stage(const std::string& robot, std::uint64_t boot,
     LiveSubmap* submap = live(id, robot);
     if (submap == nullptr) return {};
     mark_dirty_tiles(*submap);  // Where it lay,
-    if (!submap->take_head(head)) continue;
+    if (!submap->take_head(placed(boot, head))) continue;
     dirty_heads_.insert(id);
     mark_dirty_tiles(*submap);  // and where it lies now.
   }
@@ -113,6 +122,15 @@ World::Staged World::stage(const std::string& robot, std::uint64_t boot,
     }
   }
   return staged;
+}
+
+proto::SubmapHead World::placed(std::uint64_t boot, const proto::SubmapHead& head) const {
+  const auto found = corrections_.find(boot);
+  if (found == corrections_.end()) return head;
+  proto::SubmapHead placed = head;
+  placed.T_site_submap = found->second.corrected(head.T_site_submap, head.edition);
+  placed.edition = found->second.edition();
+  return placed;
 }
 
 Status World::commit() {
@@ -140,12 +158,22 @@ Status World::commit() {
     dirty_tiles_.insert(row.key);
     base_[row.key] = std::make_shared<const PackedTile>(std::move(row.tile));
   }
-  for (const SubmapId& id : folded) {
-    mark_dirty_tiles(live_.at(id));
-    live_.erase(id);
-    merged_.insert(id);
-  }
+  for (const SubmapId& id : folded) merge(live_.at(id));
   return {};
+}
+
+void World::merge(LiveSubmap& submap) {
+  const SubmapRow& row = submap.row();
+  const SubmapId id = row.id;
+  mark_dirty_tiles(submap);
+  const std::set<TileKey>& tiles = submap.site_tiles();
+  for (const TileKey& key : tiles) {
+    if (base_.contains(key)) ledger_.changed(key, id.boot);
+  }
+  merged_[id] = {row, {tiles.begin(), tiles.end()}, 0};
+  new_merged_.push_back({id, row.T_site_submap, row.link,
+                         std::make_shared<const HeightMap>(submap.submap().surface)});
+  live_.erase(id);
 }
 
 std::vector<SubmapId> World::fold_complete(Transaction& transaction) {

@@ -4,19 +4,38 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
-#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "core/common/result.h"
 #include "core/map/sensor_model.h"
 #include "proto/sync/server_link.h"
 #include "server/store/store.h"
+#include "server/world/corrections.h"
 #include "server/world/live_submap.h"
+#include "server/world/offer.h"
 #include "server/world/snapshot.h"
+#include "server/world/tile_ledger.h"
 
 namespace cairn::server {
+
+/// A submap that is part of the long-term map, as the pose graph takes it.
+struct MergedSubmap {
+  SubmapId id;
+  SubmapPose T_site_submap;
+  std::optional<SubmapLink> link;
+  std::shared_ptr<const HeightMap> surface;
+};
+
+/// What the pose graph found out: where submaps lie now, and what that rests on.
+struct GraphFindings {
+  std::vector<std::pair<SubmapId, SubmapPose>> moves;
+  std::vector<LoopRow> loops;   ///< New or changed.
+  std::vector<TriedRow> tried;  ///< New or changed.
+};
 
 /// The long-term map of one site (design §3, §6): the fold of its accepted submaps, with those
 /// still arriving laid over it. Owned by one strand; only `snapshot()` may be called from anywhere.
@@ -48,6 +67,22 @@ class World {
   void publish();
   [[nodiscard]] std::shared_ptr<const MapSnapshot> snapshot() const;
 
+  /// Submaps folded since this was last asked, in the order of folding.
+  std::vector<MergedSubmap> take_merged() { return std::exchange(new_merged_, {}); }
+  /// All merged submaps in the order of folding.
+  [[nodiscard]] std::vector<SubmapId> merged_in_order() const;
+  /// One of them, read from the store.
+  Result<MergedSubmap> load_merged(const SubmapId& id);
+  Result<GraphFindings> load_findings();
+  /// Lays merged submaps elsewhere, with all that the same boots placed since, and folds the tiles
+  /// under them anew: one transaction. On an error nothing has moved. Reads every submap that
+  /// touches those tiles.
+  Status move(const GraphFindings& findings);
+
+  /// What a robot should be told next of the long-term map: submaps of its own that were moved,
+  /// and tiles that others changed, nearest first. Only what is merged.
+  [[nodiscard]] PreparedOffer offer(const MapNeed& need, const ToldMap& told) const;
+
   /// A number that has never been used in this site, durable before it is returned.
   Result<std::uint64_t> next_command_id();
 
@@ -73,11 +108,35 @@ class World {
   std::vector<SubmapId> fold_complete(Transaction& transaction);
   std::shared_ptr<const PackedTile> overlaid(const TileKey& key) const;
 
+  struct Merged {
+    SubmapRow row;
+    /// Which it touches where it lies now; empty until somebody needed to know.
+    std::vector<TileKey> site_tiles;
+    std::uint32_t moved_in = 0;  ///< Edition in which it last moved; 0: not since it was merged.
+  };
+  /// What a move changes, worked out before anything is written.
+  struct Relocation;
+
+  [[nodiscard]] proto::SubmapHead placed(std::uint64_t boot, const proto::SubmapHead& head) const;
+  void merge(LiveSubmap& submap);
+  Result<LiveSubmap> read_merged(const SubmapRow& row);
+  Status know_site_tiles();
+  Relocation plan_relocation(const GraphFindings& findings) const;
+  Status refold(Relocation& relocation);
+  void adopt(Relocation& relocation);
+  void note_change(const TileKey& key);
+  [[nodiscard]] std::uint32_t folded_up_to(std::uint64_t boot) const;
+  void add_moves(const MapNeed& need, const ToldMap& told, PreparedOffer& offer) const;
+  void add_tiles(const MapNeed& need, const ToldMap& told, PreparedOffer& offer) const;
+
   std::unique_ptr<Store> store_;
   SensorModel model_;
   MapSnapshot::Tiles base_;  ///< The fold of all merged submaps.
   std::map<SubmapId, LiveSubmap> live_;
-  std::unordered_set<SubmapId, SubmapIdHash> merged_;
+  std::map<SubmapId, Merged> merged_;
+  std::vector<MergedSubmap> new_merged_;              ///< Taken by the owner after every commit.
+  std::map<std::uint64_t, Corrections> corrections_;  ///< By boot.
+  TileLedger ledger_;
   std::set<SubmapId> dirty_heads_;
   std::set<std::pair<SubmapId, BlockKey>> dirty_blocks_;
   std::set<TileKey> dirty_tiles_;  ///< Changed since the last publication.

@@ -100,8 +100,9 @@ TEST_F(Opening, BringsAFileOfFormat1UpToDate) {
   for (const std::uint8_t byte : body) {
     hex << std::hex << std::setfill('0') << std::setw(2) << int{byte};
   }
-  tamper(file_, "DROP TABLE loop; PRAGMA user_version = 1; UPDATE submap SET body = x'" +
-                    hex.str() + "', crc = " + std::to_string(crc));
+  tamper(file_,
+         "DROP TABLE loop; DROP TABLE tried; PRAGMA user_version = 1; UPDATE submap SET body = x'" +
+             hex.str() + "', crc = " + std::to_string(crc));
   const auto opened = SqliteStore::open(file_);
   ASSERT_TRUE(opened) << opened.error().message;
   const auto submaps = (*opened)->submaps();
