@@ -96,6 +96,7 @@ Status Server::open_site(const fs::path& file) {
   }
   auto site = std::make_shared<Site>(executor_, std::move(*world));
   spdlog::info("site {}: {} known cells", site->info().name, site->snapshot()->known_cells);
+  site->start();
   const std::lock_guard lock(sites_mutex_);
   sites_[site->info().name] = std::move(site);
   return {};

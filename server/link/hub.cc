@@ -151,6 +151,7 @@ void Hub::open_session(std::size_t carrier, const std::string& peer, const proto
   robot.site = std::move(site);
   robot.link = std::make_unique<proto::ServerLink>(session, hello, robot.site->info().epoch,
                                                    carriers_[carrier]->overhead_bytes(), now());
+  robot.downlink = {};
   spdlog::info("robot {}: session on site {}", robot.id, hello.site);
   listener_.connected(robot);
   pump(robot);
@@ -221,9 +222,26 @@ void Hub::pump(Robot& robot) {
   }
 }
 
+void Hub::tell_of_map(Robot& robot) {
+  if (!robot.pose_of_session || !robot.downlink.should_ask(*robot.link, now())) return;
+  const std::uint32_t session = robot.link->session();
+  const MapNeed need{robot.link->boot(), robot.x_m(), robot.y_m()};
+  robot.site->offer(need, robot.downlink.told(),
+                    [self = shared_from_this(), session](PreparedOffer prepared) {
+                      asio::post(self->strand_, [self, session, prepared = std::move(prepared)] {
+                        const auto found = self->sessions_.find(session);
+                        if (found == self->sessions_.end()) return;
+                        Robot& asked = self->robots_.at(found->second);
+                        asked.downlink.take(prepared, *asked.link);
+                        self->pump(asked);
+                      });
+                    });
+}
+
 void Hub::tick() {
   if (!running_) return;
   for (auto& [id, robot] : robots_) {
+    if (robot.link && robot.link->silence(now()) < kPresence) tell_of_map(robot);
     if (robot.link && robot.link->next_due(now()) <= now()) pump(robot);
   }
   timer_.expires_after(kTick);

@@ -72,6 +72,8 @@ class Hub : public std::enable_shared_from_this<Hub> {
   void settle(std::uint32_t session, std::uint32_t number, const Site::Outcome& outcome);
   void answer(std::size_t carrier, const std::string& peer, std::uint32_t session,
               const proto::Record& record);
+  /// Asks the site what the robot should know of its map, now and then.
+  void tell_of_map(Robot& robot);
   void pump(Robot& robot);
   void tick();
 

@@ -9,6 +9,7 @@
 #include "core/common/time.h"
 #include "proto/json/messages.h"
 #include "proto/sync/server_link.h"
+#include "server/link/downlink.h"
 #include "server/world/site.h"
 
 namespace cairn::server {
@@ -18,6 +19,7 @@ struct Robot {
   std::string id;
   std::shared_ptr<Site> site;
   std::unique_ptr<proto::ServerLink> link;  ///< Null before its first session.
+  Downlink downlink;                        ///< Of the link's session.
   std::size_t carrier = 0;                  ///< Which carrier its frames come by.
   std::string peer;                         ///< Its name on that carrier.
   std::optional<proto::PoseReport> pose;    ///< Newest by the robot's own clock.

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <utility>
 
@@ -11,9 +12,63 @@ namespace asio = boost::asio;
 
 Site::Site(const asio::any_io_executor& executor, std::unique_ptr<World> world)
     : strand_(asio::make_strand(executor)),
+      executor_(executor),
       world_(std::move(world)),
       commit_timer_(strand_),
       publish_timer_(strand_) {}
+
+void Site::start() {
+  graph_ = std::make_shared<GraphKeeper>(
+      executor_, [weak = weak_from_this()](GraphFindings findings, GraphKeeper::Told told) {
+        if (const auto self = weak.lock()) self->tell_world(std::move(findings), std::move(told));
+      });
+  asio::post(strand_,
+             [self = shared_from_this()] { self->load_graph(self->world_->merged_in_order()); });
+}
+
+void Site::load_graph(std::vector<SubmapId> left) {
+  std::ranges::reverse(left);  // The next one stands last.
+  std::vector<MergedSubmap> loaded;
+  for (int i = 0; i < kLoadSlice && !left.empty(); ++i) {
+    auto submap = world_->load_merged(left.back());
+    left.pop_back();
+    if (submap) loaded.push_back(*std::move(submap));
+  }
+  graph_->take(std::move(loaded));
+  std::ranges::reverse(left);
+  if (!left.empty()) {
+    asio::post(strand_,
+               [self = shared_from_this(), left = std::move(left)] { self->load_graph(left); });
+    return;
+  }
+  auto findings = world_->load_findings();
+  if (!findings) {
+    spdlog::error("site {}: {}; loops are looked for anew", info().name, findings.error().message);
+    findings = GraphFindings{};
+  }
+  graph_->take(world_->take_merged());
+  graph_->resume(*std::move(findings));
+  graph_loaded_ = true;
+}
+
+void Site::tell_world(GraphFindings findings, GraphKeeper::Told told) {
+  asio::post(strand_,
+             [self = shared_from_this(), findings = std::move(findings), told = std::move(told)] {
+               const Status moved = self->world_->move(findings);
+               if (moved && !findings.moves.empty()) {
+                 spdlog::info("site {}: loops closed, {} submaps moved", self->info().name,
+                              findings.moves.size());
+                 self->schedule_publish();
+               }
+               told(moved);
+             });
+}
+
+void Site::offer(const MapNeed& need, std::shared_ptr<const ToldMap> told,
+                 std::function<void(PreparedOffer)> reply) {
+  asio::post(strand_, [self = shared_from_this(), need, told = std::move(told),
+                       reply = std::move(reply)] { reply(self->world_->offer(need, *told)); });
+}
 
 void Site::submit(std::string robot, std::uint64_t boot, proto::ServerLink::Evidence evidence,
                   Done done) {
@@ -49,6 +104,7 @@ void Site::commit() {
   for (Waiting& waiting : std::exchange(waiting_, {})) {
     waiting.done({.durable = true, .refusals = std::move(waiting.refusals)});
   }
+  if (graph_loaded_) graph_->take(world_->take_merged());
   schedule_publish();
 }
 

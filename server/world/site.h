@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "proto/json/messages.h"
+#include "server/world/graph_keeper.h"
 #include "server/world/world.h"
 
 namespace cairn::server {
@@ -28,10 +29,15 @@ class Site : public std::enable_shared_from_this<Site> {
   using Done = std::function<void(Outcome)>;
 
   Site(const boost::asio::any_io_executor& executor, std::unique_ptr<World> world);
+  /// Begins to keep the map straight: reads the merged submaps, a few at a time. Call once.
+  void start();
 
   void submit(std::string robot, std::uint64_t boot, proto::ServerLink::Evidence evidence,
               Done done);
   void next_command_id(std::function<void(Result<std::uint64_t>)> reply);
+  /// What a robot should be told next of the long-term map, see World::offer.
+  void offer(const MapNeed& need, std::shared_ptr<const ToldMap> told,
+             std::function<void(PreparedOffer)> reply);
   /// Commits what is staged and publishes; for an orderly end.
   void flush(std::function<void()> done);
 
@@ -42,6 +48,8 @@ class Site : public std::enable_shared_from_this<Site> {
   /// Evidence of this long shares one transaction.
   static constexpr std::chrono::milliseconds kCommitPeriod{12};
   static constexpr std::chrono::milliseconds kPublishPeriod{250};
+  /// [submaps] Read at a time for the pose graph, between other work.
+  static constexpr int kLoadSlice = 4;
   /// After a failed commit (a full disk) the next try waits this long.
   static constexpr std::chrono::milliseconds kRetryPeriod{1000};
 
@@ -53,11 +61,16 @@ class Site : public std::enable_shared_from_this<Site> {
   void schedule_commit(std::chrono::milliseconds delay);
   void schedule_publish();
   void commit();
+  void load_graph(std::vector<SubmapId> left);
+  void tell_world(GraphFindings findings, GraphKeeper::Told told);
 
   boost::asio::strand<boost::asio::any_io_executor> strand_;
+  boost::asio::any_io_executor executor_;
   std::unique_ptr<World> world_;
+  std::shared_ptr<GraphKeeper> graph_;  ///< Null before start().
   boost::asio::steady_timer commit_timer_;
   boost::asio::steady_timer publish_timer_;
+  bool graph_loaded_ = false;
   bool commit_scheduled_ = false;
   bool publish_scheduled_ = false;
   std::vector<Waiting> waiting_;  ///< Bounded by World::kMaxStagedBlocks: each has staged evidence.

@@ -1,0 +1,137 @@
+#include "server/world/graph_keeper.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <cmath>
+#include <utility>
+
+#include "server/world/graph_rows.h"
+#include "server/world/placing.h"
+
+namespace cairn::server {
+
+namespace asio = boost::asio;
+
+namespace {
+
+ChainLink chain_link(const SubmapId& id, const SubmapLink& link) {
+  ChainLink chain;
+  chain.previous = {id.boot, id.sequence - 1};
+  chain.T_previous_submap = to_level(link.T_previous_submap);
+  // A millimetre and a tenth of a milliradian are what the integers resolve.
+  const Eigen::Vector4d sigma(std::max<double>(link.sigma_xy_mm, 1.0) / 1000.0,
+                              std::max<double>(link.sigma_xy_mm, 1.0) / 1000.0,
+                              std::max<double>(link.sigma_z_mm, 1.0) / 1000.0,
+                              std::max<double>(link.sigma_yaw_1e4rad, 1.0) / 1e4);
+  chain.covariance = sigma.cwiseAbs2().asDiagonal();
+  return chain;
+}
+
+bool differ(const SubmapPose& a, const SubmapPose& b, double m, double rad) {
+  const Eigen::Vector4d apart = difference(to_level(a), to_level(b));
+  return apart.head<3>().norm() > m || std::abs(apart[3]) > rad;
+}
+
+}  // namespace
+
+GraphKeeper::GraphKeeper(const asio::any_io_executor& executor, Tell tell)
+    : strand_(asio::make_strand(executor)), tell_(std::move(tell)) {}
+
+void GraphKeeper::take(std::vector<MergedSubmap> merged) {
+  if (merged.empty()) return;
+  asio::post(strand_, [self = shared_from_this(), merged = std::move(merged)] {
+    for (const MergedSubmap& submap : merged) self->add(submap);
+    self->schedule();
+  });
+}
+
+void GraphKeeper::add(const MergedSubmap& submap) {
+  SubmapNode node{.id = submap.id,
+                  .T_site_submap = to_level(submap.T_site_submap),
+                  .surface = submap.surface,
+                  .link = std::nullopt};
+  const SubmapId previous{submap.id.boot, submap.id.sequence - 1};
+  if (submap.link && graph_.place(previous)) node.link = chain_link(submap.id, *submap.link);
+  if (Status added = graph_.add_submap(std::move(node)); !added) {
+    spdlog::debug("pose graph: submap {} left out: {}", submap.id.sequence, added.error().message);
+    return;
+  }
+  world_[submap.id] = submap.T_site_submap;
+}
+
+void GraphKeeper::resume(GraphFindings findings) {
+  asio::post(strand_, [self = shared_from_this(), findings = std::move(findings)] {
+    FoundLoops found;
+    for (const LoopRow& row : findings.loops) found.loops.push_back(to_edge(row));
+    for (const TriedRow& row : findings.tried) found.tried.push_back(to_pair(row));
+    for (const auto& [id, pose] : findings.moves) found.places.push_back({id, to_level(pose)});
+    if (Status restored = self->graph_.restore(found); !restored) {
+      spdlog::warn("pose graph: begins anew: {}", restored.error().message);
+    }
+    self->resumed_ = true;
+    self->schedule();
+  });
+}
+
+void GraphKeeper::schedule() {
+  if (scheduled_ || telling_ || !resumed_) return;
+  scheduled_ = true;
+  asio::post(strand_, [self = shared_from_this()] {
+    self->scheduled_ = false;
+    self->search();
+  });
+}
+
+void GraphKeeper::search() {
+  const LoopSearch searched = graph_.find_loops(kSlice);
+  accepted_ += searched.accepted;
+  compared_ += searched.registrations;
+  if (!searched.done) return schedule();
+  if (compared_ > 0) report();
+}
+
+void GraphKeeper::report() {
+  compared_ = 0;
+  GraphFindings findings;
+  if (std::exchange(accepted_, 0) > 0) {
+    const auto moved = graph_.optimise();
+    if (!moved) spdlog::warn("pose graph: {}", moved.error().message);
+    findings.moves = moves();
+    if (!worth_moving(findings.moves)) findings.moves.clear();
+  }
+  const FoundLoops found = graph_.found();
+  for (const SubmapEdge& loop : found.loops) findings.loops.push_back(to_row(loop));
+  for (const TriedPair& pair : found.tried) findings.tried.push_back(to_row(pair));
+  telling_ = true;
+  tell_(findings, [self = shared_from_this(), moved = findings.moves](const Status& told) {
+    asio::post(self->strand_, [self, moved, told] {
+      self->telling_ = false;
+      if (told) {
+        for (const auto& [id, pose] : moved) self->world_[id] = pose;
+      } else {
+        spdlog::error("pose graph: {}; nothing was moved", told.error().message);
+      }
+      self->schedule();
+    });
+  });
+}
+
+std::vector<std::pair<SubmapId, SubmapPose>> GraphKeeper::moves() const {
+  std::vector<std::pair<SubmapId, SubmapPose>> moves;
+  for (const auto& [id, pose] : world_) {
+    const auto place = graph_.place(id);
+    if (place && to_submap_pose(*place) != pose) moves.emplace_back(id, to_submap_pose(*place));
+  }
+  std::ranges::sort(moves, {}, [](const auto& move) { return move.first; });
+  return moves;
+}
+
+bool GraphKeeper::worth_moving(const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const {
+  return std::ranges::any_of(moves, [this](const auto& move) {
+    return differ(move.second, world_.at(move.first), kWorthMovingM, kWorthMovingRad);
+  });
+}
+
+}  // namespace cairn::server

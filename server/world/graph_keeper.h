@@ -1,0 +1,56 @@
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/strand.hpp>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "core/graph/submap_graph.h"
+#include "server/world/world.h"
+
+namespace cairn::server {
+
+/// Keeps a site's map straight: looks for loops among merged submaps on a strand of its own, away
+/// from the evidence, and tells the world where submaps lie when they fit better elsewhere.
+class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
+ public:
+  /// Carries findings out and says whether that succeeded. Called on the keeper's strand.
+  using Told = std::function<void(Status)>;
+  using Tell = std::function<void(GraphFindings, Told)>;
+
+  GraphKeeper(const boost::asio::any_io_executor& executor, Tell tell);
+
+  /// Submaps in the order of their merging. From any thread.
+  void take(std::vector<MergedSubmap> merged);
+  /// What was found before a restart; the search begins. Call once, after the first `take`s.
+  void resume(GraphFindings findings);
+
+  /// [registrations] Between them the strand serves others; each takes up to 50 ms.
+  static constexpr int kSlice = 4;
+  /// Submaps move only when one of them would by this much, about a quarter of a cell: each move
+  /// folds tiles anew and travels to robots.
+  static constexpr double kWorthMovingM = 0.03;
+  static constexpr double kWorthMovingRad = 0.003;
+
+ private:
+  void add(const MergedSubmap& submap);
+  void schedule();
+  void search();
+  void report();
+  [[nodiscard]] std::vector<std::pair<SubmapId, SubmapPose>> moves() const;
+  [[nodiscard]] bool worth_moving(const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const;
+
+  boost::asio::strand<boost::asio::any_io_executor> strand_;
+  Tell tell_;
+  SubmapGraph graph_;
+  std::unordered_map<SubmapId, SubmapPose, SubmapIdHash> world_;  ///< Where the world has them.
+  bool resumed_ = false;
+  bool scheduled_ = false;
+  bool telling_ = false;
+  int accepted_ = 0;  ///< Loops since the last optimisation.
+  int compared_ = 0;  ///< Pairs since the last report.
+};
+
+}  // namespace cairn::server
