@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "core/map/height_map.h"
 
@@ -33,6 +34,16 @@ struct SubmapPose {
   friend bool operator==(const SubmapPose&, const SubmapPose&) = default;
 };
 
+/// How a submap lies to the one that the same boot made before it, by dead reckoning and local
+/// tracking alone: free of corrections against older maps, so that a pose graph may weigh both.
+struct SubmapLink {
+  SubmapPose T_previous_submap;
+  std::uint16_t sigma_xy_mm = 0;       ///< [mm] Of each of x and y, of the submap's origin.
+  std::uint16_t sigma_z_mm = 0;        ///< [mm]
+  std::uint16_t sigma_yaw_1e4rad = 0;  ///< [1e-4 rad]
+  friend bool operator==(const SubmapLink&, const SubmapLink&) = default;
+};
+
 /// [1/255] In Submap::seen_through: beyond doubt.
 inline constexpr std::uint8_t kCertainlyEmpty = 255;
 
@@ -41,6 +52,8 @@ inline constexpr std::uint8_t kCertainlyEmpty = 255;
 struct Submap {
   SubmapId id;
   SubmapPose T_site_submap;
+  /// Empty: nothing ties this submap to the one before (the first, or the robot was lost between).
+  std::optional<SubmapLink> link;
   /// The tallest surface at each cell, by the rules of T4.3.
   HeightMap surface;
   /// Where beams passed *below* what the robot's long-term map holds: per cell the lowest beam and
