@@ -35,12 +35,12 @@ struct SubmapPose {
 };
 
 /// How a submap lies to the one that the same boot made before it, by dead reckoning and local
-/// tracking alone: free of corrections against older maps.
+/// tracking alone: free of corrections against older maps, so that a pose graph may weigh both.
 struct SubmapLink {
   SubmapPose T_previous_submap;
-  std::uint16_t sigma_xy_mm = 0;  ///< [mm] Standard deviation, in x and y each.
-  std::uint16_t sigma_z_mm = 0;
-  std::uint16_t sigma_yaw_1e4rad = 0;
+  std::uint16_t sigma_xy_mm = 0;       ///< [mm] Of each of x and y, of the submap's origin.
+  std::uint16_t sigma_z_mm = 0;        ///< [mm]
+  std::uint16_t sigma_yaw_1e4rad = 0;  ///< [1e-4 rad]
   friend bool operator==(const SubmapLink&, const SubmapLink&) = default;
 };
 
@@ -52,7 +52,8 @@ inline constexpr std::uint8_t kCertainlyEmpty = 255;
 struct Submap {
   SubmapId id;
   SubmapPose T_site_submap;
-  std::optional<SubmapLink> link;  ///< None for a boot's first.
+  /// Empty: nothing ties this submap to the one before (the first, or the robot was lost between).
+  std::optional<SubmapLink> link;
   /// The tallest surface at each cell, by the rules of T4.3.
   HeightMap surface;
   /// Where beams passed *below* what the robot's long-term map holds: per cell the lowest beam and

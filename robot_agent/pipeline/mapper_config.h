@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/localization/continuous.h"
+#include "core/map/sensor_model.h"
+#include "core/pose/dead_reckoning.h"
+
+namespace cairn::agent {
+
+struct MapperConfig {
+  int cell_size_mm = 125;
+  SensorModel sensor_model;
+  DeadReckoningConfig dead_reckoning;
+  /// [m] Beams count this far: beyond it the error of the inclinometer exceeds a kerb's height.
+  double mapping_range_m = 15.0;
+  /// [rad] Error of roll and pitch while they do not change.
+  double incline_sigma_rad = 0.004;
+  /// [s] They lag this far behind while they do (T3.2); what is left of it fades at the same pace.
+  double incline_lag_s = 0.4;
+  /// [m] Beams also count no further than to where that error lifts their hits by this much: less
+  /// than half a step, so that it makes no obstacles out of slopes.
+  double height_sigma_m = 0.06;
+  double submap_distance_m = 8.0;         ///< [m] A submap is closed after this much way
+  double submap_turn_rad = 4.0 * 3.1416;  ///< [rad] or this much turning.
+  /// [m] Half length and half width of the wheel base: where the wheels stand is ground.
+  double wheel_x_m = 0.30;
+  double wheel_y_m = 0.25;
+  /// [m] At the start the ground in sight is taken as level within this radius, because no laser
+  /// sees it; whoever sets the robot down vouches for it.
+  double start_apron_m = 1.8;
+
+  /// Whether the robot corrects its pose by what it sees; else it is dead reckoning's.
+  bool localize = true;
+  /// Whether the start pose is where the robot stands. If not it is lost until it finds itself in
+  /// the map that it was given.
+  bool start_known = true;
+  ContinuousConfig continuous;
+  /// [m] What the robot itself mapped counts as old, and worth being registered against, after this
+  /// much more way: the newest map holds the very evidence that would be registered.
+  double old_after_m = 20.0;
+  /// [0 … 1] So much of what is known around the robot must be old for a registration to be tried:
+  /// less is new ground.
+  double old_share = 0.5;
+  /// [bytes] Of the robot's own submaps that are kept to be moved; the oldest are then fixed.
+  std::size_t kept_bytes = std::size_t{256} << 20;
+};
+
+}  // namespace cairn::agent

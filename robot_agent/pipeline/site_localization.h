@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/localization/continuous.h"
+#include "robot_agent/pipeline/mapper_config.h"
+
+namespace cairn::agent {
+
+/// Where the robot is in the maps of before, and whether it knows: short-term maps registered
+/// against the old part of the replica (T2.2.3). Where too little of that is known around the robot
+/// it is on new ground: nothing is registered and nothing refused. Only a map that the server gave
+/// can tell that the robot is lost: what it mapped itself is no surer than its own way.
+class SiteLocalization {
+ public:
+  explicit SiteLocalization(const MapperConfig& config);
+
+  /// As of ContinuousLocalization: after each reading that moved the robot, each scan.
+  void move(const Pose& T_site_robot) { continuous_.move(T_site_robot); }
+  void take_scan(const Scan& scan, const LaserSpec& laser) { continuous_.take_scan(scan, laser); }
+  /// The robot was put elsewhere in the site without moving: what it saw lately moves along.
+  void carry(const Pose& T_site_robot);
+
+  /// Whether `localize` would register now.
+  [[nodiscard]] bool due() const { return continuous_.mature(); }
+
+  struct Correction {
+    Pose T_site_robot;
+    Eigen::Matrix4d covariance;
+  };
+  /// What is known around the robot.
+  struct Surroundings {
+    double old_share = 0.0;  ///< [0 … 1] Of what is known around the robot, in the old map too.
+    bool given = false;      ///< The server gave it.
+  };
+  /// Registers the mature map, if any. `covariance`: of the robot's (x, y, z, yaw) in the site.
+  std::optional<Correction> localize(const HeightMap& old_map, const Surroundings& around,
+                                     const Eigen::Matrix4d& covariance);
+
+  [[nodiscard]] LocalizationState state() const { return state_; }
+  [[nodiscard]] const std::string& why() const { return why_; }
+  [[nodiscard]] std::uint64_t accepted() const { return accepted_; }
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
+
+ private:
+  void become(LocalizationState state, std::string why);
+  void refuse(const Registration& answer, bool given);
+
+  MapperConfig config_;
+  ContinuousLocalization continuous_;
+  LocalizationState state_ = LocalizationState::localized;
+  std::string why_ = "at the start";
+  std::uint64_t accepted_ = 0;
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace cairn::agent

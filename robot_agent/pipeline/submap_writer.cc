@@ -1,0 +1,179 @@
+#include "robot_agent/pipeline/submap_writer.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "robot_agent/pipeline/submap_frame.h"
+
+namespace cairn::agent {
+
+namespace {
+
+/// Far hits still tell that the way to them is free.
+void shorten(std::vector<Beam>& beams, double range_m) {
+  for (Beam& beam : beams) {
+    const Eigen::Vector3d along = beam.end_m - beam.origin_m;
+    if (!beam.hit || along.squaredNorm() <= range_m * range_m) continue;
+    beam.end_m = beam.origin_m + along.normalized() * range_m;
+    beam.hit = false;
+  }
+}
+
+}  // namespace
+
+SubmapWriter::SubmapWriter(const MapperConfig& config, std::uint64_t boot,
+                           proto::EvidenceSender& evidence)
+    : config_(config),
+      boot_(boot),
+      evidence_(evidence),
+      integrator_(config.sensor_model),
+      rules_(config.sensor_model),
+      reference_(config.cell_size_mm) {}
+
+void SubmapWriter::begin(const Pose& T_site_robot, const HeightMap& replica) {
+  // The origin is a corner of the site's tiles and a whole metre of height: as long as nothing
+  // moves the submap it folds into the long-term map cell by cell.
+  const int tile_mm = config_.cell_size_mm * Tile::kSize;
+  const auto corner_mm = [tile_mm](double m) {
+    return static_cast<std::int32_t>(std::floor(m * 1000.0 / tile_mm)) * tile_mm;
+  };
+  const SubmapPose T_site_submap{corner_mm(T_site_robot.x_m), corner_mm(T_site_robot.y_m),
+                                 static_cast<std::int32_t>(std::lround(T_site_robot.z_m)) * 1000,
+                                 0};
+  open_ = &evidence_.begin(boot_, T_site_submap, config_.cell_size_mm);
+  last_touch_.reset();
+  make_reference(replica);
+}
+
+void SubmapWriter::make_reference(const HeightMap& replica) {
+  reference_ = HeightMap(config_.cell_size_mm);
+  const int tile_mm = config_.cell_size_mm * Tile::kSize;
+  const std::int32_t dx = open_->T_site_submap.x_mm / tile_mm;
+  const std::int32_t dy = open_->T_site_submap.y_mm / tile_mm;
+  const std::int32_t dz = open_->T_site_submap.z_mm;
+  const double reach_m = config_.mapping_range_m + config_.submap_distance_m;
+  const auto reach = static_cast<std::int32_t>(std::ceil(reach_m * 1000.0 / tile_mm)) + 1;
+  for (const auto& [key, tile] : replica.tiles()) {
+    if (std::abs(key.tx - dx) > reach || std::abs(key.ty - dy) > reach) continue;
+    Tile shifted(tile->datum_mm() - dz);
+    for (int i = 0; i < Tile::kCells; ++i) {
+      if (tile->known(i)) shifted.set(i, {tile->height_mm(i) - dz, tile->probability(i)});
+    }
+    reference_.insert({key.level, key.tx - dx, key.ty - dy}, shifted);
+  }
+}
+
+Submap SubmapWriter::close() {
+  assert(open_ != nullptr);
+  Submap closed = *open_;
+  closed.closed = true;
+  open_ = nullptr;
+  evidence_.close();
+  return closed;
+}
+
+Pose SubmapWriter::in_submap(const Pose& T_site_robot) const {
+  Pose T_submap_robot = T_site_robot;  // Submaps begin unturned, so only the origin moves.
+  T_submap_robot.x_m -= open_->T_site_submap.x_mm / 1000.0;
+  T_submap_robot.y_m -= open_->T_site_submap.y_mm / 1000.0;
+  T_submap_robot.z_m -= open_->T_site_submap.z_mm / 1000.0;
+  return T_submap_robot;
+}
+
+void SubmapWriter::take_scan(const Scan& scan, const LaserSpec& laser, const Pose& T_site_robot,
+                             double range_m) {
+  const Pose T_submap_robot = in_submap(T_site_robot);
+  std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, range_m);
+  shorten(beams, range_m);
+  std::optional<std::int32_t> ground_mm;
+  if (laser.ground_along_beam) ground_mm = to_mm(T_submap_robot.z_m);
+  integrate(beams, ground_mm);
+  if (apron_laid_ || laser.ground_along_beam || scan.laser != 0) return;
+  lay_apron(scan, laser, T_submap_robot);
+}
+
+void SubmapWriter::integrate(const std::vector<Beam>& beams,
+                             std::optional<std::int32_t> ground_mm) {
+  const ScanEffect effect = integrator_.integrate(open_->surface, beams, ground_mm, &reference_);
+  evidence_.touch(EvidenceLayer::surface, effect.changed);
+  beams_ += effect.beams;
+  note_seen_through(effect.contradictions);
+}
+
+void SubmapWriter::note_seen_through(const std::vector<Contradiction>& contradictions) {
+  const auto emptiness = static_cast<std::uint8_t>(255 - config_.sensor_model.miss_probability);
+  std::vector<CellIndex> seen_through;
+  for (const Contradiction& contradiction : contradictions) {
+    const Cell before = open_->seen_through.cell(contradiction.cell);
+    Cell after{contradiction.beam_height_mm, emptiness};
+    if (before.known()) {
+      after.height_mm = std::min(before.height_mm, contradiction.beam_height_mm);
+      after.probability =
+          std::min(combine(before.probability, emptiness), config_.sensor_model.max_probability);
+    }
+    if (after == before || !open_->seen_through.set(contradiction.cell, after)) continue;
+    seen_through.push_back(contradiction.cell);
+  }
+  evidence_.touch(EvidenceLayer::seen_through, seen_through);
+}
+
+void SubmapWriter::touch_ground(const Pose& T_site_robot) {
+  const Pose T_submap = in_submap(T_site_robot);
+  const CellIndex here = open_->surface.cell_at(T_submap.x_m, T_submap.y_m);
+  if (last_touch_ == here) return;
+  last_touch_ = here;
+  const Eigen::Isometry3d T_submap_robot = to_transform(T_submap);
+  std::vector<CellIndex> changed;
+  std::vector<CellIndex> emptied;
+  const double step_m = open_->surface.cell_size_m() * 0.9;
+  for (double y_m = -config_.wheel_y_m; y_m <= config_.wheel_y_m; y_m += step_m) {
+    for (double x_m = -config_.wheel_x_m; x_m <= config_.wheel_x_m; x_m += step_m) {
+      const Eigen::Vector3d p = T_submap_robot * Eigen::Vector3d(x_m, y_m, 0.0);
+      stand_on(p, emptied);
+      hit_ground(p.x(), p.y(), p.z(), changed);
+    }
+  }
+  evidence_.touch(EvidenceLayer::surface, changed);
+  evidence_.touch(EvidenceLayer::seen_through, emptied);
+}
+
+void SubmapWriter::hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed) {
+  const CellIndex index = open_->surface.cell_at(x_m, y_m);
+  const Cell before = open_->surface.cell(index);
+  const Cell after = rules_.after_hit(before, to_mm(z_m));
+  if (after != before && open_->surface.set(index, after)) changed.push_back(index);
+}
+
+void SubmapWriter::stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied) {
+  const CellIndex cell = open_->surface.cell_at(p_submap_m.x(), p_submap_m.y());
+  const std::int32_t ground_mm = to_mm(p_submap_m.z());
+  if (rules_.passed_below(open_->surface.cell(cell), ground_mm)) {
+    open_->surface.set(cell, {});  // Whatever was seen there, the robot stands there now.
+  }
+  const Cell certain{ground_mm, kCertainlyEmpty};
+  if (!rules_.passed_below(reference_.cell(cell), ground_mm)) return;
+  if (open_->seen_through.cell(cell).probability == kCertainlyEmpty) return;
+  if (open_->seen_through.set(cell, certain)) emptied.push_back(cell);
+}
+
+void SubmapWriter::lay_apron(const Scan& scan, const LaserSpec& laser, const Pose& T_submap) {
+  apron_laid_ = true;
+  const Eigen::Isometry3d T_submap_robot = to_transform(T_submap);
+  const double step_m = open_->surface.cell_size_m() * 0.5;
+  std::vector<CellIndex> changed;
+  for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
+    const double bearing_rad = laser.first_angle_rad + static_cast<double>(i) * laser.step_rad;
+    const double reach_m = std::min<double>(scan.range_m[i] - 2.0 * step_m, config_.start_apron_m);
+    for (double r_m = 0.0; r_m < reach_m; r_m += step_m) {
+      const Eigen::Vector3d p =
+          T_submap_robot * Eigen::Vector3d(laser.T_robot_sensor.x_m + r_m * std::cos(bearing_rad),
+                                           r_m * std::sin(bearing_rad), 0.0);
+      const CellIndex index = open_->surface.cell_at(p.x(), p.y());
+      if (!open_->surface.cell(index).known()) hit_ground(p.x(), p.y(), p.z(), changed);
+    }
+  }
+  evidence_.touch(EvidenceLayer::surface, changed);
+}
+
+}  // namespace cairn::agent

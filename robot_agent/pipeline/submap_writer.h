@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/map/update.h"
+#include "core/sensor/laser.h"
+#include "proto/sync/evidence_sender.h"
+#include "robot_agent/pipeline/mapper_config.h"
+
+namespace cairn::agent {
+
+/// Writes what the robot sees and stands on into the open evidence submap. The EvidenceSender owns
+/// the submaps; the caller says when one begins and ends and where the robot is.
+class SubmapWriter {
+ public:
+  SubmapWriter(const MapperConfig& config, std::uint64_t boot, proto::EvidenceSender& evidence);
+
+  /// Null while none is open.
+  [[nodiscard]] const Submap* open() const { return open_; }
+  /// Requires: none is open. `replica`: what the robot holds true of the site.
+  void begin(const Pose& T_site_robot, const HeightMap& replica);
+  /// How the open submap lies to the one before.
+  void link(const SubmapLink& link) { open_->link = link; }
+  /// Requires: one is open. Returns a copy of it.
+  Submap close();
+
+  /// Requires of these: one is open. Scans are of `laser` and count up to `range_m`.
+  void take_scan(const Scan& scan, const LaserSpec& laser, const Pose& T_site_robot,
+                 double range_m);
+  void touch_ground(const Pose& T_site_robot);
+
+  [[nodiscard]] std::int64_t beams() const { return beams_; }
+
+ private:
+  void make_reference(const HeightMap& replica);
+  void integrate(const std::vector<Beam>& beams, std::optional<std::int32_t> ground_mm);
+  void note_seen_through(const std::vector<Contradiction>& contradictions);
+  void lay_apron(const Scan& scan, const LaserSpec& laser, const Pose& T_submap_robot);
+  void stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied);
+  void hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed);
+  [[nodiscard]] Pose in_submap(const Pose& T_site_robot) const;
+
+  MapperConfig config_;
+  std::uint64_t boot_;
+  proto::EvidenceSender& evidence_;
+  ScanIntegrator integrator_;
+  CellRules rules_;
+  HeightMap reference_;  ///< The replica around the open submap, in that submap's frame.
+  Submap* open_ = nullptr;
+  std::optional<CellIndex> last_touch_;
+  bool apron_laid_ = false;
+  std::int64_t beams_ = 0;
+};
+
+}  // namespace cairn::agent
