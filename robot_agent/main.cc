@@ -35,6 +35,7 @@ struct Options {
   std::uint64_t seed = 1;
   double speed = 1.0;
   double max_range_m = cairn::agent::LogConfig{}.max_range_m;
+  bool start_unknown = false;
   std::string server = "dds://127.0.0.1";
   std::string robot = "robot";
   std::string site = "lab";
@@ -73,6 +74,10 @@ void describe(CLI::App& app, Options& options) {
   app.add_option("--max-range-m", options.max_range_m, "Replay: readings beyond are no return")
       ->check(CLI::Range(1.0, 200.0))
       ->capture_default_str();
+  app.add_flag(
+      "--start-unknown", options.start_unknown,
+      "Nobody knows where on the site the robot stands: it maps nothing until it has found "
+      "itself in the server's map");
   app.add_option("--server", options.server, "The server: dds://HOST[?domain=N]")
       ->capture_default_str();
   app.add_option("--robot", options.robot, "This robot's id: a-z, 0-9, '-', '_'")
@@ -111,6 +116,7 @@ cairn::agent::AgentConfig config_of(const Options& options) {
   config.link.cell_size_mm = options.cell_mm;
   if (!options.replay.empty()) config.link.evidence_period = 50ms;  // Logs run faster than time.
   config.mapper.cell_size_mm = options.cell_mm;
+  config.mapper.start_known = !options.start_unknown;
   config.mapper.mapping_range_m = options.mapping_range_m;
   config.driver.limits = options.vehicle;
   config.driver.follower.max_speed_m_s = options.max_speed_m_s;

@@ -52,6 +52,11 @@ std::string sites_text(const api::StatusReply& status) {
   return table_text(rows);
 }
 
+std::string sureness_text(const api::RobotJson& robot) {
+  if (robot.localization == "lost") return " LOST";
+  return printed(" +-%.2f m", robot.sigma_m) + (robot.localization == "unsure" ? " unsure" : "");
+}
+
 std::string robots_text(const api::StatusReply& status) {
   if (status.robots.empty()) return "no robots: start cairn-agent on one\n";
   std::vector<std::vector<std::string>> rows = {
@@ -62,8 +67,7 @@ std::string robots_text(const api::StatusReply& status) {
       command = robot.command->kind + " " + robot.command->state;
       if (!robot.command->why.empty()) command += " (" + robot.command->why + ")";
     }
-    rows.push_back({robot.id, robot.site,
-                    place_text(robot.x_m, robot.y_m) + printed(" +-%.2f m", robot.sigma_m),
+    rows.push_back({robot.id, robot.site, place_text(robot.x_m, robot.y_m) + sureness_text(robot),
                     printed("%.0f deg", heading_deg(robot.yaw_rad)),
                     age_text(robot.pose_age_s) + " ago", printed("%.2f m/s", robot.speed_m_s),
                     robot.drive, command, link_state(robot.link)});

@@ -17,6 +17,7 @@ constexpr std::array kOnLinkLoss = {"stop"sv, "continue"sv};
 constexpr std::array kKinds = {"goto"sv, "stop"sv};
 constexpr std::array kStates = {"sent"sv,    "accepted"sv, "refused"sv, "superseded"sv,
                                 "arrived"sv, "stopped"sv,  "expired"sv, "blocked"sv};
+constexpr std::array kLocalizations = {"localized"sv, "unsure"sv, "lost"sv};
 constexpr std::array kDrives = {"idle"sv, "driving"sv, "blocked"sv, "stopped"sv};
 constexpr std::array kPathStatuses = {"complete"sv, "partial"sv, "none"sv};
 
@@ -83,6 +84,7 @@ void describe(V& v, M& m) {
   v.required("speed_m_s", m.speed_m_s);
   v.required("pose_age_s", m.pose_age_s, kNotNegative);
   v.required("drive", m.drive, one_of(kDrives));
+  v.required("localization", m.localization, one_of(kLocalizations));
   v.required("link", m.link);
   v.optional("command", m.command);
 }

@@ -62,7 +62,8 @@ struct RobotJson {
   double sigma_m = 0.0;
   double speed_m_s = 0.0;
   double pose_age_s = 0.0;
-  std::string drive;  ///< "idle", "driving", "blocked", "stopped"
+  std::string drive;         ///< "idle", "driving", "blocked", "stopped"
+  std::string localization;  ///< "localized", "unsure", "lost"
   LinkJson link;
   std::optional<CommandJson> command;  ///< The newest command, also after its end.
 };

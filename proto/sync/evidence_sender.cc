@@ -29,27 +29,14 @@ bool EvidenceSender::Outgoing::held() const {
          blocks_under_way == 0;
 }
 
-Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm,
-                              const std::optional<SubmapLink>& link) {
+Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm) {
   assert(open_submap() == nullptr);
   if (submaps_.size() >= kMaxSubmaps) drop_oldest_closed();
   const SubmapId id{boot, ++last_sequence_};
   Outgoing& outgoing =
       submaps_.try_emplace(id.sequence, id, T_site_submap, cell_size_mm).first->second;
-  outgoing.submap.link = link;
-  outgoing.head.newest.link = link;
   outgoing.head.newest.edition = edition_;
   return outgoing.submap;
-}
-
-void EvidenceSender::place(std::uint32_t sequence, const SubmapPose& T_site_submap) {
-  Outgoing* outgoing = find(sequence);
-  if (outgoing == nullptr) return;
-  outgoing->submap.T_site_submap = T_site_submap;
-  SubmapHead& head = outgoing->head.newest;
-  ++head.version;
-  head.T_site_submap = T_site_submap;
-  head.edition = edition_;
 }
 
 void EvidenceSender::touch(EvidenceLayer layer, const std::vector<CellIndex>& cells) {
@@ -128,6 +115,7 @@ int EvidenceSender::fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint3
 bool EvidenceSender::add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number,
                               Cargo& cargo) {
   Head& head = outgoing.head;
+  head.newest.link = outgoing.submap.link;
   if (!frame.add(head.newest)) return false;
   head.under_way = head.newest.version;
   head.carrier = number;

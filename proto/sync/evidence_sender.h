@@ -23,13 +23,9 @@ class EvidenceSender {
 
   /// Begins a new submap (sequence one above the last); it becomes the open one. The open one
   /// before it must have been closed. Returns its reference, valid until it is closed.
-  /// `link`: how it lies to the one before.
-  Submap& begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm,
-                const std::optional<SubmapLink>& link = std::nullopt);
-  /// A submap lies elsewhere: what the peer does not yet hold in full moves, the rest it has moved
-  /// itself. `edition` as in SubmapHead.
-  void place(std::uint32_t sequence, const SubmapPose& T_site_submap);
-  /// Poses from now on account for this edition of the server's map.
+  /// Its link may be set until it is first sent.
+  Submap& begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm);
+  /// Submaps that begin from now on are placed by this edition of the server's map (SubmapHead).
   void set_edition(std::uint32_t edition) { edition_ = edition; }
   /// The open submap's cells changed (its surface or seen_through was written by the caller).
   /// Requires: an open submap; at most kMaxSubmapBlocks blocks in it.

@@ -4,7 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <utility>
+
+#include "core/common/angle.h"
 
 namespace cairn::agent {
 
@@ -113,7 +116,28 @@ DriveCommand Driver::step(const Pose& pose, const CellLookup& cells, int cell_si
                           std::uint8_t min_probability, MonotonicTime clock,
                           std::optional<Duration> silence) {
   if (!busy() || reason_to_end(pose, clock, silence)) return {};
+  if (localization_ == LocalizationState::lost) return look_around(pose, clock);
   return follow(pose, cells, cell_size_mm, min_probability, clock);
+}
+
+void Driver::set_localization(LocalizationState state, const std::string& why) {
+  if (state != LocalizationState::lost) {
+    looked_around_rad_ = 0.0;
+    last_yaw_rad_.reset();
+  }
+  localization_ = state;
+  localization_why_ = why;
+}
+
+DriveCommand Driver::look_around(const Pose& pose, MonotonicTime clock) {
+  looked_around_rad_ += std::abs(wrap_angle(pose.yaw_rad - last_yaw_rad_.value_or(pose.yaw_rad)));
+  last_yaw_rad_ = pose.yaw_rad;
+  if (looked_around_rad_ > 2.0 * std::numbers::pi) {
+    end(CommandState::stopped, "lost: " + localization_why_);
+    return {};
+  }
+  block("lost, looking around: " + localization_why_, clock);
+  return {0.0, config_.look_around_rad_s};
 }
 
 void Driver::arrive() {
@@ -164,6 +188,9 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
                                std::max(0.0, ahead.clear_m - config_.stop_short_m * 0.5));
   if (ahead.known_m < config_.cautious_m)
     limit_m_s = std::min(limit_m_s, config_.unknown_speed_m_s);
+  if (localization_ == LocalizationState::unsure) {
+    limit_m_s = std::min(limit_m_s, config_.unsure_speed_m_s);
+  }
   return follower_->steer(pose, std::max(limit_m_s, config_.follower.creep_m_s));
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/common/time.h"
+#include "core/localization/continuous.h"
 #include "core/map/traversability.h"
 #include "core/pose/pose.h"
 #include "proto/codec/records.h"
@@ -35,18 +36,24 @@ struct DriverConfig {
   /// until now the robot backs up until it is this far away.
   double blind_m = 1.7;
   double backing_speed_m_s = 0.2;
-  double room_behind_m = 0.5;  ///< [m] Known, open ground that backing up needs.
+  double unsure_speed_m_s = 0.25;  ///< [m/s] While the robot is not sure where it is.
+  double look_around_rad_s = 0.5;  ///< [rad/s] A lost robot turns on the spot this fast.
+  double room_behind_m = 0.5;      ///< [m] Known, open ground that backing up needs.
 };
 
 /// Carries out commands: one at a time, newest wins. Stops by itself when the command expires, when
 /// the link is silent for too long (if the command says so), when the way is closed, and when the
-/// robot tilts.
+/// robot tilts. A robot that is not sure where it is drives slowly; a lost one does not drive, it
+/// looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
 
   /// A command from the server. `clock` is the robot's own.
   void take(const proto::RobotLink::Order& order, const Pose& pose, MonotonicTime clock);
+
+  /// How sure the robot is of where it is, and what that rests on.
+  void set_localization(LocalizationState state, const std::string& why);
 
   /// What the wheels shall do now. `silence`: time since the server was last heard.
   DriveCommand step(const Pose& pose, const CellLookup& cells, int cell_size_mm,
@@ -76,6 +83,8 @@ class Driver {
   /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it may be crossed.
   std::optional<DriveCommand> before_gap(const Pose& pose, const LocalView& view, const Gap& gap,
                                          MonotonicTime clock);
+  /// Lost: turns on the spot to see what is around, one full turn; then gives up.
+  DriveCommand look_around(const Pose& pose, MonotonicTime clock);
   DriveCommand back_up(const Pose& pose, const LocalView& view);
   void arrive();
 
@@ -88,8 +97,12 @@ class Driver {
   bool blocked_reported_ = false;
   std::optional<Eigen::Vector2d> backing_from_m_;  ///< Where it began to back up, if it does.
   double backing_m_ = 0.0;                         ///< How far it wants to.
-  int times_backed_up_ = 0;                        ///< For this command.
-  std::vector<proto::CommandReport> reports_;      ///< Bounded: emptied at every step.
+  LocalizationState localization_ = LocalizationState::localized;
+  std::string localization_why_;
+  std::optional<double> last_yaw_rad_;         ///< While looking around.
+  double looked_around_rad_ = 0.0;             ///< Since the robot was lost.
+  int times_backed_up_ = 0;                    ///< For this command.
+  std::vector<proto::CommandReport> reports_;  ///< Bounded: emptied at every step.
 };
 
 }  // namespace cairn::agent

@@ -24,6 +24,12 @@ std::uint64_t to_ms(MonotonicTime time) {
       std::chrono::duration_cast<std::chrono::milliseconds>(time).count());
 }
 
+proto::Localization to_wire(LocalizationState state) {
+  if (state == LocalizationState::localized) return proto::Localization::localized;
+  return state == LocalizationState::unsure ? proto::Localization::unsure
+                                            : proto::Localization::lost;
+}
+
 bool is_end(proto::CommandState state) {
   return state != proto::CommandState::accepted && state != proto::CommandState::blocked;
 }
@@ -53,6 +59,7 @@ void Agent::take_reading(const Reading& reading) {
 }
 
 void Agent::drive(MonotonicTime clock) {
+  driver_.set_localization(mapper_.localization(), mapper_.localization_why());
   const auto cells = [this](CellIndex cell) { return mapper_.cell(cell); };
   wheels_ = driver_.step(mapper_.pose(), cells, mapper_.cell_size_mm(),
                          mapper_.sensor_model().min_probability, clock, link_.silence(clock));
@@ -74,6 +81,7 @@ void Agent::tell(MonotonicTime clock) {
   report.sigma_mm = saturated<std::uint16_t>(mapper_.position_sigma_m() * 1000.0);
   report.speed_mm_s = saturated<std::int16_t>(wheels_.speed_m_s * 1000.0);
   report.drive = driver_.state();
+  report.localization = to_wire(mapper_.localization());
   report.command = driver_.command();
   report.to_go_mm = saturated<std::uint32_t>(driver_.to_go_m() * 1000.0);
   report.backlog_blocks = static_cast<std::uint32_t>(link_.evidence().backlog_blocks());
@@ -104,7 +112,20 @@ Status Agent::exchange(MonotonicTime clock, std::chrono::milliseconds wait) {
       }
     }
   }
+  take_map();
   return send_due(clock);
+}
+
+void Agent::take_map() {
+  for (const proto::MapUpdate& update : link_.take_map_updates()) {
+    link_.evidence().set_edition(update.edition);
+    std::vector<GivenTile> tiles;
+    for (const auto& [key, tile, holds] : update.tiles) tiles.push_back({key, tile, holds});
+    std::vector<std::pair<std::uint32_t, SubmapPose>> moves;
+    for (const auto& [sequence, pose] : update.moves) moves.emplace_back(sequence, pose);
+    mapper_.move_submaps(moves);
+    mapper_.take_tiles(tiles);
+  }
 }
 
 void Agent::say_goodbye() {

@@ -58,6 +58,7 @@ class Agent {
  private:
   void take_reading(const Reading& reading);
   void drive(MonotonicTime clock);
+  void take_map();
   void tell(MonotonicTime clock);
   Status send_due(MonotonicTime clock);
 

@@ -20,6 +20,18 @@ const char* name_of(proto::DriveState state) {
   return "idle";
 }
 
+const char* name_of(proto::Localization state) {
+  switch (state) {
+    case proto::Localization::localized:
+      return "localized";
+    case proto::Localization::unsure:
+      return "unsure";
+    case proto::Localization::lost:
+      return "lost";
+  }
+  return "lost";
+}
+
 api::LinkJson describe_link(const Robot& robot, MonotonicTime now) {
   api::LinkJson link;
   if (!robot.link) return link;
@@ -56,6 +68,7 @@ api::RobotJson describe(const Robot& robot, MonotonicTime now) {
   json.site = robot.site->info().name;
   json.link = describe_link(robot, now);
   json.drive = name_of(proto::DriveState::idle);
+  json.localization = name_of(proto::Localization::localized);
   if (!robot.pose) return json;
   const proto::PoseReport& pose = *robot.pose;
   json.x_m = robot.x_m();
@@ -68,6 +81,7 @@ api::RobotJson describe(const Robot& robot, MonotonicTime now) {
   json.speed_m_s = pose.speed_mm_s / 1000.0;
   json.pose_age_s = to_seconds(now - robot.pose_received);
   json.drive = name_of(pose.drive);
+  json.localization = name_of(pose.localization);
   return json;
 }
 

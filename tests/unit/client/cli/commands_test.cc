@@ -24,6 +24,7 @@ class CommandsTest : public testing::Test {
     robot.id = "r1";
     robot.site = "yard";
     robot.drive = "driving";
+    robot.localization = "localized";
     robot.command = api::CommandJson{7, "goto", "arrived", "", {1, 2}, 0, 1, {}};
     service_.status_reply.robots = {robot};
     thread_ = std::thread([this] { io_.run(); });

@@ -24,6 +24,7 @@ RobotJson some_robot() {
   robot.x_m = 1.5;
   robot.yaw_rad = -0.5;
   robot.drive = "driving";
+  robot.localization = "unsure";
   robot.link = {true, 0.2, 0.11, 1234, 567, 8, 9, 10};
   robot.command = CommandJson{7, "goto", "accepted", "", {3.0, -4.0}, 5.5, 2, {{0, 0}, {3, -4}}};
   return robot;

@@ -126,6 +126,43 @@ TEST_F(DriverTest, ShowsWhatItDoesWhileItDrives) {
   EXPECT_NEAR(driver.to_go_m(), 5.0 - pose.x_m, 0.05);
 }
 
+TEST_F(DriverTest, DrivesSlowlyWhileItIsNotSureWhereItIs) {
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  run(seconds(3));
+  EXPECT_GT(wheels.speed_m_s, 0.3);
+  driver.set_localization(LocalizationState::unsure, "the last map did not fit");
+  run(seconds(1));
+  EXPECT_LE(wheels.speed_m_s, 0.25);
+  EXPECT_GT(wheels.speed_m_s, 0.0);
+  driver.set_localization(LocalizationState::localized, "");
+  run(seconds(20));
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+}
+
+TEST_F(DriverTest, LooksAroundOnTheSpotWhenItIsLostAndGoesOnWhenItHasFoundItself) {
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  run(seconds(2));
+  const Pose before = pose;
+  driver.set_localization(LocalizationState::lost, "nothing fits here");
+  run(seconds(4));
+  EXPECT_NEAR(pose.x_m, before.x_m, 0.05);
+  EXPECT_GT(std::abs(pose.yaw_rad), 1.0);
+  EXPECT_EQ(reports.back().state, CommandState::blocked);
+  EXPECT_THAT(reports.back().why, HasSubstr("lost, looking around: nothing fits here"));
+  driver.set_localization(LocalizationState::localized, "");
+  run(seconds(30));
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+}
+
+TEST_F(DriverTest, StopsWhenOneTurnHasNotShownWhereItIs) {
+  take(go_to(7, {{0, 0}, {5, 0}}));
+  driver.set_localization(LocalizationState::lost, "nothing fits here");
+  run(seconds(20));
+  EXPECT_EQ(wheels.turn_rate_rad_s, 0.0);
+  EXPECT_EQ(reports.back().state, CommandState::stopped);
+  EXPECT_THAT(reports.back().why, HasSubstr("lost: nothing fits here"));
+}
+
 TEST_F(DriverTest, RefusesAGoalWithoutAPath) {
   take(go_to(7, {}));
   EXPECT_THAT(states(), ElementsAre(CommandState::refused));

@@ -20,6 +20,8 @@ namespace cairn::server {
 
 using Evidence = proto::ServerLink::Evidence;
 
+inline constexpr Cell kFloor{0, 200};
+
 /// A disk that refuses some commits.
 class FlakyStore : public Store {
  public:

@@ -11,8 +11,6 @@
 namespace cairn::server {
 namespace {
 
-constexpr Cell kFloor{0, 200};
-
 // ---- What the map shows -------------------------------------------------------------------------
 
 TEST_F(WorldTest, HasAnEmptyMapWhenNew) {
