@@ -1,6 +1,8 @@
 #include "robot_agent/pipeline/drift.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "core/common/angle.h"
 
@@ -13,22 +15,29 @@ double growth(double sigma, double total, double step) {
   return sigma * sigma * step * (2.0 * total + step);
 }
 
+/// A wrong yaw carries the step sideways.
+Eigen::Matrix4d carried(const Eigen::Matrix4d& covariance, const Pose& from, const Pose& to) {
+  Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
+  F(0, 3) = -(to.y_m - from.y_m);
+  F(1, 3) = to.x_m - from.x_m;
+  return F * covariance * F.transpose();
+}
+
 }  // namespace
 
 void Drift::start(const Eigen::Matrix4d& covariance) {
   covariance_ = covariance;
+  kept_covariance_ = covariance;
+  T_local_kept_.reset();
   way_m_ = 0.0;
   turn_rad_ = 0.0;
 }
 
 void Drift::add(const Pose& before, const Pose& after, double dt_s) {
+  if (!T_local_kept_) T_local_kept_ = before;
   const Eigen::Vector3d step_m(after.x_m - before.x_m, after.y_m - before.y_m,
                                after.z_m - before.z_m);
-  // A wrong yaw carries the step sideways.
-  Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
-  F(0, 3) = -step_m.y();
-  F(1, 3) = step_m.x();
-  covariance_ = F * covariance_ * F.transpose();
+  covariance_ = carried(covariance_, before, after);
   const double length_m = step_m.norm();
   const double turned_rad = std::abs(wrap_angle(after.yaw_rad - before.yaw_rad));
   if (length_m > 0.0) {
@@ -41,6 +50,23 @@ void Drift::add(const Pose& before, const Pose& after, double dt_s) {
                        growth(config_.yaw_sigma_per_rad, turn_rad_, turned_rad);
   way_m_ += length_m;
   turn_rad_ += turned_rad;
+}
+
+void Drift::track(const Pose& T_local_robot, const Eigen::Matrix3d& step, bool kept) {
+  const double z_m2 = covariance_(2, 2);
+  covariance_ = carried(kept_covariance_, T_local_kept_.value_or(T_local_robot), T_local_robot);
+  constexpr std::array kPlanar{0, 1, 3};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      covariance_(kPlanar[static_cast<std::size_t>(i)], kPlanar[static_cast<std::size_t>(j)]) +=
+          step(i, j);
+    }
+  }
+  covariance_(2, 2) = z_m2;
+  turn_rad_ = 0.0;
+  if (!kept) return;
+  kept_covariance_ = covariance_;
+  T_local_kept_ = T_local_robot;
 }
 
 Eigen::Matrix4d turned(const Eigen::Matrix4d& covariance, double yaw_rad) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "core/pose/dead_reckoning.h"
 #include "core/pose/pose.h"
@@ -19,12 +20,17 @@ class Drift {
   void start(const Eigen::Matrix4d& covariance);
   /// The robot went from one pose to the next in the local frame, in this time.
   void add(const Pose& T_local_before, const Pose& T_local_after, double dt_s);
+  /// Local tracking found the robot here; `step` is the covariance of (x, y, yaw) of all the way
+  /// since the last `kept` place, and counts instead of what dead reckoning added since then.
+  void track(const Pose& T_local_robot, const Eigen::Matrix3d& step, bool kept);
 
   [[nodiscard]] const Eigen::Matrix4d& covariance() const { return covariance_; }
 
  private:
   DeadReckoningConfig config_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix4d kept_covariance_ = Eigen::Matrix4d::Zero();  ///< At the last kept place.
+  std::optional<Pose> T_local_kept_;
   double way_m_ = 0.0;
   double turn_rad_ = 0.0;
 };

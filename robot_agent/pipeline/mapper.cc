@@ -1,6 +1,7 @@
 #include "robot_agent/pipeline/mapper.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -33,6 +34,7 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       T_site_robot_(T_site_start),
       since_correction_(config.dead_reckoning),
       since_submap_(config.dead_reckoning),
+      tracking_(config.tracking),
       writer_(config, boot, evidence),
       replica_(config.cell_size_mm, config.sensor_model, config.kept_bytes),
       localization_(config) {}
@@ -57,8 +59,9 @@ void Mapper::take_motion(const MotionReading& reading) {
 
 void Mapper::take_scan(const Scan& scan) {
   if (scan.laser >= lasers_.size()) return;
-  turn_submaps_over();
   const LaserSpec& laser = lasers_[scan.laser];
+  if (config_.localize && laser.ground_along_beam) track(scan, laser);
+  turn_submaps_over();
   if (writer_.open() != nullptr) {
     writer_.take_scan(scan, laser, T_site_robot_, trusted_range_m(laser));
   }
@@ -72,6 +75,20 @@ void Mapper::finish() {
 }
 
 void Mapper::place_robot() { T_site_robot_ = compose(T_site_local_, dead_reckoning_.pose()); }
+
+void Mapper::track(const Scan& scan, const LaserSpec& laser) {
+  constexpr std::array kPlanar{0, 1, 3};
+  const Eigen::Matrix3d moved = dead_reckoning_.covariance()(kPlanar, kPlanar);
+  const TrackedStep step = tracking_.track(scan, laser, dead_reckoning_.pose(), moved);
+  if (!step.matched) return;
+  const double turn_rad = wrap_angle(step.T_local_robot.yaw_rad - dead_reckoning_.pose().yaw_rad);
+  dead_reckoning_.correct(step.T_local_robot, Eigen::Matrix4d::Zero());
+  since_correction_.track(step.T_local_robot, step.covariance, step.kept);
+  since_submap_.track(step.T_local_robot, step.covariance, step.kept);
+  submap_turned_rad_ += std::abs(turn_rad);
+  place_robot();
+  localization_.move(T_site_robot_);
+}
 
 void Mapper::watch_incline(const Pose& before, MonotonicTime stamp) {
   const double dt_s = to_seconds(stamp - std::exchange(last_motion_, stamp));

@@ -21,8 +21,8 @@ namespace cairn::agent {
 /// through the EvidenceSender, which owns the submaps until the server holds them.
 ///
 /// Frames: `local` is where the robot was switched on; the robot's pose in it comes from dead
-/// reckoning alone and never jumps. `T_site_local` says where that lies in the site and changes
-/// with each correction.
+/// reckoning and local tracking alone and never jumps. `T_site_local` says where that lies in the
+/// site and changes with each correction.
 class Mapper {
  public:
   Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const Pose& T_site_start,
@@ -60,6 +60,8 @@ class Mapper {
   [[nodiscard]] double distance_m() const { return dead_reckoning_.distance_m(); }
   /// Null while the robot is lost.
   [[nodiscard]] const Submap* open_submap() const { return writer_.open(); }
+  /// The robot in the local frame, free of corrections against older maps.
+  [[nodiscard]] const Pose& T_local_robot() const { return dead_reckoning_.pose(); }
   [[nodiscard]] const Replica& replica() const { return replica_; }
 
   /// [m] The robot keeps its own map this far around it.
@@ -76,6 +78,7 @@ class Mapper {
   void place_robot();
   void watch_incline(const Pose& before, MonotonicTime stamp);
   [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
+  void track(const Scan& scan, const LaserSpec& laser);
   void turn_submaps_over();
   [[nodiscard]] bool submap_full() const;
   void begin_submap();
@@ -96,6 +99,7 @@ class Mapper {
   Pose T_site_robot_;
   Drift since_correction_;
   Drift since_submap_;
+  Tracking tracking_;
   SubmapWriter writer_;
   Replica replica_;
   SiteLocalization localization_;

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "core/localization/continuous.h"
+#include "core/localization/tracking.h"
 #include "core/map/sensor_model.h"
 #include "core/pose/dead_reckoning.h"
 
@@ -36,6 +37,8 @@ struct MapperConfig {
   /// the map that it was given.
   bool start_known = true;
   ContinuousConfig continuous;
+  /// Of level lasers in a plane world (LaserSpec::ground_along_beam): they meet upright surfaces.
+  TrackingConfig tracking;
   /// [m] What the robot itself mapped counts as old, and worth being registered against, after this
   /// much more way: the newest map holds the very evidence that would be registered.
   double old_after_m = 20.0;
