@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kMaxYoung = 64;
 /// [m] Around the robot is what lies within.
 constexpr double kAroundM = 8.0;
+/// [rad] A laser mounted so is level.
+constexpr double kLevelMountRad = 0.01;
 /// [rad] A correction that turns the robot by more ends the submap.
 constexpr double kTurnThatTearsRad = 0.0087;
 
@@ -60,7 +62,7 @@ void Mapper::take_motion(const MotionReading& reading) {
 void Mapper::take_scan(const Scan& scan) {
   if (scan.laser >= lasers_.size()) return;
   const LaserSpec& laser = lasers_[scan.laser];
-  if (config_.localize && laser.ground_along_beam) track(scan, laser);
+  if (config_.localize && in_section(laser)) track(scan, laser);
   turn_submaps_over();
   if (writer_.open() != nullptr) {
     writer_.take_scan(scan, laser, T_site_robot_, trusted_range_m(laser));
@@ -76,6 +78,22 @@ void Mapper::finish() {
 
 void Mapper::place_robot() { T_site_robot_ = compose(T_site_local_, dead_reckoning_.pose()); }
 
+bool Mapper::in_section(const LaserSpec& laser) {
+  const Pose& mount = laser.T_robot_sensor;
+  if (std::abs(mount.roll_rad) > kLevelMountRad || std::abs(mount.pitch_rad) > kLevelMountRad) {
+    return false;
+  }
+  const Pose& robot = dead_reckoning_.pose();
+  const bool level = std::hypot(robot.roll_rad, robot.pitch_rad) < config_.section_tilt_rad;
+  if (level && section_z_m_ && std::abs(robot.z_m - *section_z_m_) < config_.section_z_m) {
+    return true;
+  }
+  tracking_.forget();
+  section_z_m_.reset();
+  if (level) section_z_m_ = robot.z_m;
+  return level;
+}
+
 void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   constexpr std::array kPlanar{0, 1, 3};
   const Eigen::Matrix3d moved = dead_reckoning_.covariance()(kPlanar, kPlanar);
@@ -83,8 +101,8 @@ void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   if (!step.matched) return;
   const double turn_rad = wrap_angle(step.T_local_robot.yaw_rad - dead_reckoning_.pose().yaw_rad);
   dead_reckoning_.correct(step.T_local_robot, Eigen::Matrix4d::Zero());
-  since_correction_.track(step.T_local_robot, step.covariance, step.kept);
-  since_submap_.track(step.T_local_robot, step.covariance, step.kept);
+  since_correction_.track(step.T_local_robot, step.information, step.kept);
+  since_submap_.track(step.T_local_robot, step.information, step.kept);
   submap_turned_rad_ += std::abs(turn_rad);
   place_robot();
   localization_.move(T_site_robot_);
@@ -124,7 +142,7 @@ void Mapper::begin_submap() {
   writer_.begin(T_site_robot_, replica_.now());
   const Pose T_site_submap = pose_of(writer_.open()->T_site_submap);
   young_.push_back(
-      {writer_.open()->id.sequence, between(level(T_site_local_), T_site_submap), distance_m()});
+      {writer_.open()->id.sequence, from_to(level(T_site_local_), T_site_submap), distance_m()});
   if (chained_) link_submap();
   chained_ = true;
   since_submap_.start(Eigen::Matrix4d::Zero());
@@ -141,7 +159,7 @@ void Mapper::link_submap() {
   const double lever_m = std::hypot(T_local_submap.x_m - robot.x_m, T_local_submap.y_m - robot.y_m);
   const double xy_m2 =
       0.5 * (covariance(0, 0) + covariance(1, 1)) + 0.5 * lever_m * lever_m * covariance(3, 3);
-  writer_.link({.T_previous_submap = rounded(between(T_local_previous, T_local_submap)),
+  writer_.link({.T_previous_submap = rounded(from_to(T_local_previous, T_local_submap)),
                 .sigma_xy_mm = saturated(std::sqrt(xy_m2) * 1e3),
                 .sigma_z_mm = saturated(std::sqrt(covariance(2, 2)) * 1e3),
                 .sigma_yaw_1e4rad = saturated(std::sqrt(covariance(3, 3)) * 1e4)});
@@ -212,7 +230,7 @@ void Mapper::put(const Pose& T_site_robot) {
   // Within a cell the open submap takes it; beyond, it would hold the same wall twice.
   const bool tears = way_m * 1000.0 > config_.cell_size_mm || turn_rad > kTurnThatTearsRad;
   if (tears && writer_.open() != nullptr) close_submap();
-  T_site_local_ = compose(level(T_site_robot), between(level(dead_reckoning_.pose()), {}));
+  T_site_local_ = compose(level(T_site_robot), from_to(level(dead_reckoning_.pose()), {}));
   place_robot();
 }
 
@@ -235,7 +253,7 @@ void Mapper::move_submaps(const std::vector<std::pair<std::uint32_t, SubmapPose>
   const Submap* const before = replica_.find(newest->first);
   if (before == nullptr) return replica_.move(poses);
   const Pose T_new_old =
-      compose(pose_of(newest->second), between(pose_of(before->T_site_submap), {}));
+      compose(pose_of(newest->second), from_to(pose_of(before->T_site_submap), {}));
   const Pose T_site_robot = compose(T_new_old, T_site_robot_);
   auto all = poses;
   put(T_site_robot);  // Closes the open submap if need be: then it is one of the later ones.

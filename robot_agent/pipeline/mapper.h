@@ -78,6 +78,8 @@ class Mapper {
   void place_robot();
   void watch_incline(const Pose& before, MonotonicTime stamp);
   [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
+  /// Whether a laser still cuts the world where it did: level, and the robot in one plane.
+  [[nodiscard]] bool in_section(const LaserSpec& laser);
   void track(const Scan& scan, const LaserSpec& laser);
   void turn_submaps_over();
   [[nodiscard]] bool submap_full() const;
@@ -100,6 +102,7 @@ class Mapper {
   Drift since_correction_;
   Drift since_submap_;
   Tracking tracking_;
+  std::optional<double> section_z_m_;  ///< Height at which the tracked surfaces were met.
   SubmapWriter writer_;
   Replica replica_;
   SiteLocalization localization_;

@@ -37,8 +37,11 @@ struct MapperConfig {
   /// the map that it was given.
   bool start_known = true;
   ContinuousConfig continuous;
-  /// Of level lasers in a plane world (LaserSpec::ground_along_beam): they meet upright surfaces.
   TrackingConfig tracking;
+  /// A level laser tracks the robot while that is less tilted than this [rad] and stays this near
+  /// to one height [m]: then it sees the same section of the world, be it walls or slopes.
+  double section_tilt_rad = 0.03;
+  double section_z_m = 0.10;
   /// [m] What the robot itself mapped counts as old, and worth being registered against, after this
   /// much more way: the newest map holds the very evidence that would be registered.
   double old_after_m = 20.0;

@@ -46,10 +46,12 @@ class SiteLocalization {
 
  private:
   void become(LocalizationState state, std::string why);
+  void begin_anew();
   void refuse(const Registration& answer, bool given);
 
   MapperConfig config_;
   ContinuousLocalization continuous_;
+  bool given_ = false;  ///< `continuous_` is made for a map that the server gave.
   LocalizationState state_ = LocalizationState::localized;
   std::string why_ = "at the start";
   std::uint64_t accepted_ = 0;

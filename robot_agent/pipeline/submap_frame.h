@@ -32,7 +32,7 @@ namespace cairn::agent {
 }
 
 /// T_a_b⁻¹ · T_a_c.
-[[nodiscard]] inline Pose between(const Pose& T_a_b, const Pose& T_a_c) {
+[[nodiscard]] inline Pose from_to(const Pose& T_a_b, const Pose& T_a_c) {
   return from_transform(to_transform(T_a_b).inverse() * to_transform(T_a_c));
 }
 
