@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/localization/registration.h"
+#include "core/localization/site_ground.h"
+#include "core/map/height_map.h"
+#include "core/pose/pose.h"
+
+namespace cairn {
+
+struct SiteSearchConfig {
+  SiteGroundConfig ground;
+  double reach_m = 15.0;          ///< [m] The short-term map counts so far from the robot.
+  double yaw_step_rad = 0.01745;  ///< [rad] [Limit: 0.002 … 0.2]
+  int faces = 256;                ///< Cells of what stands up that take part, at most,
+  int flats = 128;                ///< and of the ground; together ≤ 480.
+  double far_sigma = 0.006;       ///< [m/m] Heights are known less well with distance (tilt).
+
+  // What makes a match acceptable.
+  int min_points = 150;         ///< The short-term map must show so many cells.
+  double max_score_mm = 80.0;   ///< [mm]
+  /// [-] The best match elsewhere must be this much worse, in parts of its own score.
+  double min_distinctness = 0.25;
+  double max_unknown = 0.4;  ///< [-] Share of the cells that the long-term map does not know.
+  RegistrationConfig registration;  ///< Thresholds of the last step, which is exact to the cell.
+
+  // Written bounds of the work.
+  std::size_t max_bounds = 3'000'000;
+  std::size_t max_places = 64;  ///< Looked at closely.
+};
+
+/// Where in the site the robot is, and why that is believed.
+struct SiteMatch {
+  Pose T_site_robot;                                              ///< Of use when accepted.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();       ///< Of x, y, z, yaw.
+  double score_mm = 0.0;        ///< [mm] Mean truncated height difference at the best place.
+  double second_best_mm = 0.0;  ///< [mm] The same at the next best; no place beats it that is not
+                                ///< near the best one. Where none was looked at: its lower bound.
+  double unknown = 0.0;         ///< [0 … 1] Share that the long-term map does not know there.
+  Registration registration;    ///< The last step, where it came to that.
+  std::size_t bounds = 0;       ///< Work done: bounds evaluated,
+  std::size_t places = 0;       ///< and places looked at closely.
+  bool accepted = false;
+  std::string why;  ///< One line: why it was refused.
+};
+
+/// Finds a robot that does not know where it is: restarted without a pose, carried away, or wrong
+/// for long (T2.2.3: "a more thorough search"; T4.3.3). Every place of the map and every turn is
+/// tried, by branch and bound on truncated height differences; roll and pitch are known, and z
+/// follows from the ground under the robot's place.
+///
+/// What is exact: no place is passed over whose score, taken with one cell of tolerance in x and y
+/// on turns of one step, is below the one that decided. What is not searched: places farther than
+/// SiteGroundConfig::far_floor_reach_m from any ground that the map knows, and levels above 0.
+///
+/// Prepared once for a long-term map, which is copied as far as needed; then `find` is const and
+/// may be called from several threads.
+class SiteSearch {
+ public:
+  /// `disc`: only robots in it are found. Never fails: with a map that cannot be searched `find`
+  /// refuses everything with the reason.
+  explicit SiteSearch(const HeightMap& long_term, const SiteSearchConfig& config = {},
+                      const std::optional<SiteDisc>& disc = std::nullopt);
+  ~SiteSearch();
+  SiteSearch(SiteSearch&&) noexcept;
+  SiteSearch& operator=(SiteSearch&&) noexcept;
+
+  /// Where in the site, or in a disc of it, the robot is that made `short_term` and now stands at
+  /// T_submap_robot in it. Refuses bad input, a map that fits nowhere, and one that fits in several
+  /// places. Requires: the long-term map's cell size.
+  [[nodiscard]] SiteMatch find(const HeightMap& short_term, const Pose& T_submap_robot,
+                               const std::optional<SiteDisc>& disc = std::nullopt) const;
+
+ private:
+  struct Prepared;
+  std::unique_ptr<const Prepared> prepared_;
+};
+
+}  // namespace cairn
