@@ -70,8 +70,8 @@ MatchRaster raster_of(const HeightMap& map, const CellBox& box, int margin, int 
 /// How many cells of a square of five cells' side around each are known.
 std::vector<std::uint8_t> known_around(const MatchRaster& raster) {
   constexpr int kReach = 2;
-  const auto sums = [&](const std::vector<std::uint8_t>& in, int count, int lines,
-                        std::size_t step, std::size_t line_step) {
+  const auto sums = [&](const std::vector<std::uint8_t>& in, int count, int lines, std::size_t step,
+                        std::size_t line_step) {
     std::vector<std::uint8_t> out(in.size(), 0);
     for (int line = 0; line < lines; ++line) {
       const std::size_t first = static_cast<std::size_t>(line) * line_step;
@@ -116,8 +116,8 @@ class Reader {
     const std::int16_t height = raster_.height_mm[i];
     if (height == raster_.unknown) return {kNoHeight, -kNoHeight, unknown_};
     const int ground = ground_[i];
-    if (height - ground > face_) return {limited(ground + face_), limited(height + above_face_),
-                                         truncate_};
+    if (height - ground > face_)
+      return {limited(ground + face_), limited(height + above_face_), truncate_};
     if (around_[i] > kThin) return {height, height, truncate_};
     return {limited(std::min<int>(ground, height - below_lone_)), limited(height + above_face_),
             truncate_};
@@ -188,8 +188,9 @@ std::optional<SiteGround> read_site_ground(const HeightMap& map, int margin,
     why = "the long-term map is empty there";
     return std::nullopt;
   }
-  const std::int64_t side =
-      std::max(std::int64_t{box->highest.x} - box->lowest.x, std::int64_t{box->highest.y} - box->lowest.y) + 1;
+  const std::int64_t side = std::max(std::int64_t{box->highest.x} - box->lowest.x,
+                                     std::int64_t{box->highest.y} - box->lowest.y) +
+                            1;
   if (side > kMaxSiteCells) {
     why = "the site is too large to be searched at once; give a disc";
     return std::nullopt;
@@ -211,8 +212,8 @@ std::optional<SiteGround> read_site_ground(const HeightMap& map, int margin,
   }
   SiteGround site;
   site.margin = margin;
-  site.unit_mm = std::max(kFinestUnitMm, static_cast<int>((relief_mm + 2 * kRasterLimit - 1) /
-                                                          (2 * kRasterLimit)));
+  site.unit_mm = std::max(
+      kFinestUnitMm, static_cast<int>((relief_mm + 2 * kRasterLimit - 1) / (2 * kRasterLimit)));
   site.datum_mm = static_cast<std::int32_t>(range.lowest_mm + relief_mm / 2);
   const MatchRaster raster = raster_of(map, *box, margin, site.unit_mm, site.datum_mm);
   site.lowest = raster.lowest;

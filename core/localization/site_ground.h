@@ -17,9 +17,9 @@ inline constexpr std::int16_t kNoHeight = 12000;
 
 /// What a cell, or any one of a block of cells, may hold.
 struct HeightSpan {
-  std::int16_t lowest = kNoHeight;   ///< [units]
-  std::int16_t highest = -kNoHeight; ///< [units]
-  std::int16_t most = 0;             ///< [units] A difference counts at most this much.
+  std::int16_t lowest = kNoHeight;    ///< [units]
+  std::int16_t highest = -kNoHeight;  ///< [units]
+  std::int16_t most = 0;              ///< [units] A difference counts at most this much.
 };
 
 /// The heights at which a robot may stand in a cell, or anywhere in a block of cells.
@@ -61,7 +61,7 @@ struct SiteGroundConfig {
   int below_lone_mm = 600;  ///< [mm] and below, where no ground was seen beside it.
   int floor_mm = 150;       ///< [mm] A robot stands on what is not higher above its ground.
   double ground_reach_m = 0.75;
-  double floor_reach_m = 0.375;  ///< [m] The robot's foot lies within the heights so near,
+  double floor_reach_m = 0.375;     ///< [m] The robot's foot lies within the heights so near,
   double far_floor_reach_m = 1.25;  ///< [m] or within those so near where these are unknown.
 };
 

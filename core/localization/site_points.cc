@@ -26,15 +26,13 @@ std::vector<ShownCell> thinned(const std::vector<ShownCell>& cells, int count) {
 std::vector<ShownCell> shown_cells(const HeightMap& short_term, const Pose& T_submap_robot,
                                    double reach_m, int faces, int flats) {
   const double cell_m = short_term.cell_size_m();
-  const Eigen::Vector2d robot =
-      Eigen::Vector2d(T_submap_robot.x_m, T_submap_robot.y_m) / cell_m;
+  const Eigen::Vector2d robot = Eigen::Vector2d(T_submap_robot.x_m, T_submap_robot.y_m) / cell_m;
   const int reach = static_cast<int>(std::ceil(reach_m / cell_m));
   const CellIndex lowest{static_cast<std::int32_t>(std::floor(robot.x())) - reach,
                          static_cast<std::int32_t>(std::floor(robot.y())) - reach};
   const int side = 2 * reach + 1;
   const auto foot_mm = static_cast<std::int32_t>(std::lround(T_submap_robot.z_m * 1000.0));
-  const MatchRaster raster =
-      make_raster(short_term, lowest, side, side, foot_mm, kUnknownInShort);
+  const MatchRaster raster = make_raster(short_term, lowest, side, side, foot_mm, kUnknownInShort);
   // Beside what is seen of a wall far away there is no ground; the robot's own stands in for it.
   const auto near = static_cast<int>(std::lround(0.75 / cell_m));
   const std::vector<std::int16_t> ground = ground_under(raster, {near, 2 * near, 2 * kFaceMm});

@@ -18,33 +18,40 @@ struct SiteSearchConfig {
   double reach_m = 15.0;          ///< [m] The short-term map counts so far from the robot.
   double yaw_step_rad = 0.01745;  ///< [rad] [Limit: 0.002 … 0.2]
   int faces = 256;                ///< Cells of what stands up that take part, at most,
-  int flats = 128;                ///< and of the ground; together ≤ 480.
+  int flats = 128;                ///< and of the ground; together ≤ kMostTopPoints.
   double far_sigma = 0.006;       ///< [m/m] Heights are known less well with distance (tilt).
 
   // What makes a match acceptable.
-  int min_points = 150;         ///< The short-term map must show so many cells.
-  double max_score_mm = 80.0;   ///< [mm]
-  /// [-] The best match elsewhere must be this much worse, in parts of its own score.
+  int min_cells = 150;  ///< The short-term map must show so many.
+  /// [mm] Mean difference with one cell of tolerance, see SiteMatch::bound_mm.
+  double max_score_mm = 12.0;
+  /// [mm] Places that are worse by more, with one cell of tolerance, are other places beyond doubt.
+  double min_lead_mm = 8.0;
+  /// [-] The others must score this much worse without the tolerance, in parts of their score.
   double min_distinctness = 0.25;
   double max_unknown = 0.4;  ///< [-] Share of the cells that the long-term map does not know.
-  RegistrationConfig registration;  ///< Thresholds of the last step, which is exact to the cell.
+  RegistrationConfig registration;  ///< Evidence asked of the last step; windows are not used.
 
   // Written bounds of the work.
-  std::size_t max_bounds = 3'000'000;
-  std::size_t max_places = 64;  ///< Looked at closely.
+  std::size_t max_bounds = 1'000'000;  ///< Blocks of places.
+  std::size_t max_places = 32;         ///< Places that might be the robot's.
 };
 
-/// Where in the site the robot is, and why that is believed.
+/// Where in the site the robot is, and why that is believed. Scores are means of height
+/// differences over the cells that take part, each truncated.
 struct SiteMatch {
-  Pose T_site_robot;                                              ///< Of use when accepted.
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();       ///< Of x, y, z, yaw.
-  double score_mm = 0.0;        ///< [mm] Mean truncated height difference at the best place.
-  double second_best_mm = 0.0;  ///< [mm] The same at the next best; no place beats it that is not
-                                ///< near the best one. Where none was looked at: its lower bound.
-  double unknown = 0.0;         ///< [0 … 1] Share that the long-term map does not know there.
-  Registration registration;    ///< The last step, where it came to that.
-  std::size_t bounds = 0;       ///< Work done: bounds evaluated,
-  std::size_t places = 0;       ///< and places looked at closely.
+  Pose T_site_robot;                                         ///< Of use when accepted.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();  ///< Of x, y, z [m], yaw [rad].
+  double score_mm = 0.0;                                     ///< [mm] At the best place.
+  /// [mm] At the best one elsewhere, of those that come near by the bounds; infinite without any.
+  double second_best_mm = 0.0;
+  double bound_mm = 0.0;  ///< [mm] The best place's score with one cell of tolerance.
+  /// [mm] The same of the next place; without one that comes near, what it scores at least.
+  double second_bound_mm = 0.0;
+  double unknown = 0.0;       ///< [0 … 1] Share that the long-term map does not know there.
+  Registration registration;  ///< The last step, where it came to that.
+  std::size_t bounds = 0;     ///< Work done: blocks of places bounded,
+  std::size_t places = 0;     ///< and places looked at.
   bool accepted = false;
   std::string why;  ///< One line: why it was refused.
 };
@@ -54,12 +61,14 @@ struct SiteMatch {
 /// tried, by branch and bound on truncated height differences; roll and pitch are known, and z
 /// follows from the ground under the robot's place.
 ///
-/// What is exact: no place is passed over whose score, taken with one cell of tolerance in x and y
-/// on turns of one step, is below the one that decided. What is not searched: places farther than
-/// SiteGroundConfig::far_floor_reach_m from any ground that the map knows, and levels above 0.
+/// What is exact: no cell and turn is passed over that scores, with one cell of tolerance, within
+/// min_lead_mm of the best; those are compared without the tolerance. What is not searched: places
+/// farther than SiteGroundConfig::far_floor_reach_m from any ground that the map knows, and levels
+/// above 0.
 ///
 /// Prepared once for a long-term map, which is copied as far as needed; then `find` is const and
-/// may be called from several threads.
+/// may be called from several
+/// threads.
 class SiteSearch {
  public:
   /// `disc`: only robots in it are found. Never fails: with a map that cannot be searched `find`

@@ -158,8 +158,9 @@ class Looking {
         bend_rad_s_(noise.uniform(-0.15, 0.15)) {}
 
   Result<Sighting> look() {
+    constexpr MonotonicTime kLongest = std::chrono::seconds(8);  // It may be stuck.
     Sighting sighting;
-    while (!done_) {
+    while (!done_ && *robot_.next_stamp() < kLongest) {
       auto readings = robot_.advance(*robot_.next_stamp());
       if (!readings) return readings.error();
       for (const agent::Reading& reading : *readings) take(reading, sighting);
@@ -179,7 +180,7 @@ class Looking {
       const Pose& now = pose_.pose();
       driven_m_ += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
       turned_rad_ += std::abs(wrap_angle(now.yaw_rad - before.yaw_rad));
-      done_ = turned_ ? turned_rad_ > 2.0 * std::numbers::pi : driven_m_ > way_m_;
+      done_ = turned_ ? turned_rad_ > std::numbers::pi : driven_m_ > way_m_;
     } else if (const auto* scan = std::get_if<Scan>(&reading)) {
       integrator_.integrate(
           sighting.short_term,

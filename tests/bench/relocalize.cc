@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   auto w2 = other ? agent::make_world(other, static_cast<std::uint64_t>(other_seed)) : agent::make_world(name, static_cast<std::uint64_t>(seed));
   Walkable walk2(*w2);
   int good = 0, bad = 0;
-  for (int i = 0; i < trials; ++i) {
+  for (int i = argc > 6 ? atoi(argv[6]) : 0; i < trials; ++i) {
     auto s = put_down(*w2, walk2, [](double, double) { return true; }, static_cast<std::uint64_t>(1000 * seed + i));
     if (!s) { printf("no place\n"); return 1; }
     lap();
@@ -37,10 +37,10 @@ int main(int argc, char** argv) {
     PoseError e = error_of(m.T_site_robot, s->T_site_robot);
     bool right = !other && e.position_m < 0.5 && e.yaw_rad < radians(5.0);
     if (m.accepted) (right ? good : bad)++;
-    printf("%2d %s at %6.1f %6.1f known %5zu: %s%s %.2f s bounds %7zu places %2zu score %5.1f second %5.1f unk %.2f err %6.2f %5.1f° ov %.2f in %.2f res %.0f  %s\n", i,
+    printf("%2d %s at %6.1f %6.1f known %5zu: %s%s %.2f s bounds %7zu exact %4.1f/%5.1f places %zu score %5.1f second %5.1f unk %.2f err %6.2f %5.1f° ov %.2f in %.2f res %.0f  tilt %.1f %.1f %s\n", i,
            s->turned ? "turn " : "drive", s->T_site_robot.x_m, s->T_site_robot.y_m, s->short_term.known_count(),
-           m.accepted ? "ACC" : "ref", right ? " right" : " WRONG", dt, m.bounds, m.places, m.score_mm, m.second_best_mm, m.unknown, e.position_m,
-           e.yaw_rad * 57.3, m.registration.overlap, m.registration.inliers, m.registration.residual_mm, m.why.c_str());
+           m.accepted ? "ACC" : "ref", right ? " right" : " WRONG", dt, m.bounds, m.score_mm, m.second_best_mm, m.places, m.bound_mm, m.second_bound_mm, m.unknown, e.position_m,
+           e.yaw_rad * 57.3, m.registration.overlap, m.registration.inliers, m.registration.residual_mm, 57.3*(s->T_submap_robot.roll_rad-s->T_site_robot.roll_rad), 57.3*(s->T_submap_robot.pitch_rad-s->T_site_robot.pitch_rad), m.why.c_str());
   }
   printf("good %d false %d of %d\n", good, bad, trials);
 }
