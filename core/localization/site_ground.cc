@@ -219,6 +219,7 @@ std::optional<SiteGround> read_site_ground(const HeightMap& map, int margin,
   site.lowest = raster.lowest;
   const Reader reader(raster, config, site.unit_mm, map.cell_size_m());
   site.truncate = reader.truncate();
+  site.above_face = static_cast<std::int16_t>(config.above_face_mm / site.unit_mm);
   site.heights = SiteGrid<HeightSpan>(raster.width, raster.height);
   SiteGrid<FloorSpan> floor(raster.width, raster.height);
   for (std::size_t i = 0; i < floor.cells.size(); ++i) {

@@ -54,7 +54,7 @@ struct SiteGrid {
 /// How the long-term map is read for whole-site search.
 struct SiteGroundConfig {
   int truncate_mm = 500;  ///< [mm] A height difference counts at most this much.
-  int unknown_mm = 120;   ///< [mm] A cell that the long-term map does not know counts this much.
+  int unknown_mm = 50;    ///< [mm] A cell that the long-term map does not know counts this much.
   int face_mm = 300;      ///< [mm] What stands higher above its ground than this is a face.
   /// [mm] A laser meets a face at whatever height its beam comes in: so far above what is stored,
   int above_face_mm = 300;
@@ -72,7 +72,8 @@ struct SiteGround {
   int margin = 0;    ///< [cells] No robot stands this near to the rectangle's edge.
   int unit_mm = 4;
   std::int32_t datum_mm = 0;
-  std::int16_t truncate = 0;  ///< [units]
+  std::int16_t truncate = 0;    ///< [units]
+  std::int16_t above_face = 0;  ///< [units] A face's span ends so far above what is stored.
   SiteGrid<HeightSpan> heights;
   SiteGrid<FloorSpan> floor;
 };

@@ -15,6 +15,11 @@ namespace {
 constexpr double kSamePlaceM = 1.0;
 constexpr double kSameYawRad = 0.14;
 
+/// [mm] The lower laser above the robot's foot.
+constexpr double kLaserMm = 400.0;
+/// [cells] So near to either end of a sight line the grid is too coarse.
+constexpr int kClearCells = 5;
+
 }  // namespace
 
 SitePlaces::SitePlaces(const SiteGround& ground, const SitePyramid& pyramid, double cell_m,
@@ -67,6 +72,37 @@ double SitePlaces::unknown_share(const Place& place) const {
     unknown += there.lowest > there.highest ? 1 : 0;
   }
   return static_cast<double>(unknown) / static_cast<double>(cells_.size());
+}
+
+/// Whether something stands in the way that is higher than the line from the lower laser to the
+/// point.
+bool SitePlaces::blocked(const SitePoint& point, const Place& place) const {
+  const int steps = std::max(std::abs(point.x), std::abs(point.y));
+  const FloorSpan& floor = ground_.floor.at(place.x, place.y);
+  const double laser = kLaserMm / ground_.unit_mm;
+  for (int i = kClearCells; i < steps - kClearCells; ++i) {
+    const double part = static_cast<double>(i) / steps;
+    const HeightSpan& there =
+        ground_.heights.at(place.x + static_cast<int>(std::lround(part * point.x)),
+                           place.y + static_cast<int>(std::lround(part * point.y)));
+    if (there.lowest >= there.highest) continue;  // Unknown, or ground.
+    const double line = floor.highest + laser + part * (point.highest - laser);
+    if (there.highest - ground_.above_face > line) return true;
+  }
+  return false;
+}
+
+double SitePlaces::blocked_share(const Place& place) const {
+  int lines = 0;
+  int blocked_lines = 0;
+  const std::vector<SitePoint> points = points_at(place.yaw_rad);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int steps = std::max(std::abs(points[i].x), std::abs(points[i].y));
+    if (!cells_[i].face || steps <= 2 * kClearCells) continue;
+    ++lines;
+    blocked_lines += blocked(points[i], place) ? 1 : 0;
+  }
+  return lines == 0 ? 0.0 : static_cast<double>(blocked_lines) / lines;
 }
 
 std::vector<SitePoint> SitePlaces::points_at(double yaw_rad) const {

@@ -51,6 +51,10 @@ class SitePlaces {
   /// [0 … 1] Share of the cells that the long-term map does not know there.
   [[nodiscard]] double unknown_share(const Place& place) const;
 
+  /// [0 … 1] Share of the sight lines from the robot to what stands up that the long-term map
+  /// says are blocked: what fits there, but could not be seen from there.
+  [[nodiscard]] double blocked_share(const Place& place) const;
+
   /// The work was more than allowed: `next` may have missed a place.
   [[nodiscard]] bool exhausted() const { return bounds_ > search_.max_bounds; }
   [[nodiscard]] std::size_t bounds() const { return bounds_; }
@@ -72,6 +76,7 @@ class SitePlaces {
     double turn_rad;
   };
 
+  [[nodiscard]] bool blocked(const SitePoint& point, const Place& place) const;
   [[nodiscard]] std::vector<SitePoint> points_at(double yaw_rad) const;
   [[nodiscard]] std::uint32_t sum_of(double score_mm) const;
   [[nodiscard]] bool possible(int level, int x, int y) const;

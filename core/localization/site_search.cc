@@ -109,10 +109,12 @@ Registration registered(const HeightMap& short_term, const RegistrationPrior& pr
 /// Why the best place is not believed; empty when it is.
 std::string objection(const SiteMatch& match, bool all_seen, const SiteSearchConfig& config) {
   if (!all_seen) return "too many places look alike";
-  if (match.second_best_mm * (1.0 - config.min_distinctness) <= match.score_mm) {
+  if (match.second_best_mm * (1.0 - config.min_distinctness) <= match.score_mm ||
+      match.second_bound_mm < match.bound_mm + config.min_gap_mm) {
     return "another place matches as well";
   }
   if (match.unknown > config.max_unknown) return "too little of the place is known";
+  if (match.blocked > config.max_blocked) return "what was seen cannot be seen from there";
   return match.registration.accepted ? "" : match.registration.why;
 }
 
@@ -166,6 +168,7 @@ SiteMatch SiteSearch::find(const HeightMap& short_term, const Pose& T_submap_rob
   match.score_mm = search.score_mm(best);
   match.second_best_mm = second_mm(search, found.places);
   match.unknown = search.unknown_share(best);
+  match.blocked = search.blocked_share(best);
   const RegistrationPrior prior = prior_at(best, *prepared_->ground, cell_m, T_submap_robot);
   match.registration = registered(short_term, prior, prepared_->long_term, config.registration);
   match.T_site_robot = match.registration.T_site_robot;

@@ -15,21 +15,24 @@ namespace cairn {
 
 struct SiteSearchConfig {
   SiteGroundConfig ground;
-  double reach_m = 15.0;          ///< [m] The short-term map counts so far from the robot.
-  double yaw_step_rad = 0.01745;  ///< [rad] [Limit: 0.002 … 0.2]
-  int faces = 256;                ///< Cells of what stands up that take part, at most,
-  int flats = 128;                ///< and of the ground; together ≤ kMostTopPoints.
-  double far_sigma = 0.006;       ///< [m/m] Heights are known less well with distance (tilt).
+  double reach_m = 20.0;  ///< [m] The short-term map counts so far from the robot.
+  /// [rad] Half of it moves nothing within reach by more than a cell. [Limit: 0.002 … 0.2]
+  double yaw_step_rad = 0.0125;
+  int faces = 256;           ///< Cells of what stands up that take part, at most,
+  int flats = 128;           ///< and of the ground; together ≤ kMostTopPoints.
+  double far_sigma = 0.006;  ///< [m/m] Heights are known less well with distance (tilt).
 
   // What makes a match acceptable.
   int min_cells = 150;  ///< The short-term map must show so many.
   /// [mm] Mean difference with one cell of tolerance, see SiteMatch::bound_mm.
-  double max_score_mm = 12.0;
+  double max_score_mm = 7.5;
   /// [mm] Places that are worse by more, with one cell of tolerance, are other places beyond doubt.
   double min_lead_mm = 8.0;
   /// [-] The others must score this much worse without the tolerance, in parts of their score.
-  double min_distinctness = 0.25;
+  double min_distinctness = 0.35;
+  double min_gap_mm = 2.0;   ///< [mm] And this much with it.
   double max_unknown = 0.4;  ///< [-] Share of the cells that the long-term map does not know.
+  double max_blocked = 0.3;  ///< [-] Share of its sight lines that are blocked there.
   RegistrationConfig registration;  ///< Evidence asked of the last step; windows are not used.
 
   // Written bounds of the work.
@@ -49,6 +52,7 @@ struct SiteMatch {
   /// [mm] The same of the next place; without one that comes near, what it scores at least.
   double second_bound_mm = 0.0;
   double unknown = 0.0;       ///< [0 … 1] Share that the long-term map does not know there.
+  double blocked = 0.0;       ///< [0 … 1] Sight lines that the long-term map says are blocked.
   Registration registration;  ///< The last step, where it came to that.
   std::size_t bounds = 0;     ///< Work done: blocks of places bounded,
   std::size_t places = 0;     ///< and places looked at.

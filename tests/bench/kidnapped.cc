@@ -1,5 +1,6 @@
 #include "tests/bench/kidnapped.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numbers>
@@ -51,8 +52,8 @@ std::vector<Lane> lanes(const agent::World& world) {
   int count = 0;
   for (double y = world.surface.south_m() + 0.7; y < world.surface.north_m(); y += kApartM) {
     const bool east = count++ % 2 == 0;
-    all.push_back({east ? world.surface.west_m() : world.surface.east_m(), y,
-                   east ? 0.0 : std::numbers::pi});
+    all.push_back(
+        {east ? world.surface.west_m() : world.surface.east_m(), y, east ? 0.0 : std::numbers::pi});
   }
   for (double x = world.surface.west_m() + 0.7; x < world.surface.east_m(); x += kApartM) {
     const bool north = count++ % 2 == 0;
@@ -76,8 +77,8 @@ Walkable::Walkable(const agent::World& world)
     const auto [x, y] = edge.front();
     edge.pop_front();
     const double here_m = world.surface.height_m(x, y);
-    for (const auto& [dx, dy] : {std::pair{kStepM, 0.0}, {-kStepM, 0.0}, {0.0, kStepM},
-                                 {0.0, -kStepM}}) {
+    for (const auto& [dx, dy] :
+         {std::pair{kStepM, 0.0}, {-kStepM, 0.0}, {0.0, kStepM}, {0.0, -kStepM}}) {
       const auto next = cell(x + dx, y + dy);
       if (!next || reached_[*next] != 0) continue;
       if (std::abs(world.surface.height_m(x + dx, y + dy) - here_m) > kHighestStepM) continue;
@@ -111,7 +112,11 @@ HeightMap surveyed(const agent::World& world, const Walkable& walkable, const Ma
   for (const Lane& lane : lanes(world)) {
     for (double along = 0.7; along < side_m; along += kEveryM) {
       const Pose wanted{lane.x_m + along * std::cos(lane.yaw_rad),
-                        lane.y_m + along * std::sin(lane.yaw_rad), 0.0, 0.0, 0.0, lane.yaw_rad};
+                        lane.y_m + along * std::sin(lane.yaw_rad),
+                        0.0,
+                        0.0,
+                        0.0,
+                        lane.yaw_rad};
       if (!walkable.at(wanted.x_m, wanted.y_m) || !mapped(wanted.x_m, wanted.y_m)) continue;
       const agent::Vehicle vehicle(agent::VehicleConfig{}, world.surface, wanted);
       if (!vehicle.stands_free(wanted.x_m, wanted.y_m, wanted.yaw_rad)) continue;
@@ -136,13 +141,17 @@ namespace {
 std::optional<Pose> place_for(const agent::World& world, const Walkable& walkable,
                               const Mapped& wanted, agent::Noise& noise) {
   constexpr int kTries = 20'000;
+  const double kMostTiltRad = radians(8.0);  // Nobody leaves it with a wheel over a kerb.
   const agent::Vehicle vehicle(agent::VehicleConfig{}, world.surface, world.start);
   for (int i = 0; i < kTries; ++i) {
     const double x = noise.uniform(world.surface.west_m() + 1.0, world.surface.east_m() - 1.0);
     const double y = noise.uniform(world.surface.south_m() + 1.0, world.surface.north_m() - 1.0);
     const double yaw = noise.uniform(-std::numbers::pi, std::numbers::pi);
-    if (walkable.at(x, y) && wanted(x, y) && vehicle.stands_free(x, y, yaw)) {
-      return Pose{x, y, 0.0, 0.0, 0.0, yaw};
+    if (!walkable.at(x, y) || !wanted(x, y) || !vehicle.stands_free(x, y, yaw)) continue;
+    const Pose place{x, y, 0.0, 0.0, 0.0, yaw};
+    const Pose stands = agent::Vehicle(agent::VehicleConfig{}, world.surface, place).pose();
+    if (std::max(std::abs(stands.roll_rad), std::abs(stands.pitch_rad)) < kMostTiltRad) {
+      return place;
     }
   }
   return std::nullopt;
@@ -158,7 +167,7 @@ class Looking {
         bend_rad_s_(noise.uniform(-0.15, 0.15)) {}
 
   Result<Sighting> look() {
-    constexpr MonotonicTime kLongest = std::chrono::seconds(8);  // It may be stuck.
+    constexpr MonotonicTime kLongest = std::chrono::seconds(10);  // It may be stuck.
     Sighting sighting;
     while (!done_ && *robot_.next_stamp() < kLongest) {
       auto readings = robot_.advance(*robot_.next_stamp());
@@ -175,23 +184,46 @@ class Looking {
  private:
   void take(const agent::Reading& reading, Sighting& sighting) {
     if (const auto* motion = std::get_if<MotionReading>(&reading)) {
-      const Pose before = pose_.pose();
-      pose_.update(*motion);
-      const Pose& now = pose_.pose();
-      driven_m_ += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
-      turned_rad_ += std::abs(wrap_angle(now.yaw_rad - before.yaw_rad));
-      done_ = turned_ ? turned_rad_ > std::numbers::pi : driven_m_ > way_m_;
+      take_motion(*motion);
     } else if (const auto* scan = std::get_if<Scan>(&reading)) {
-      integrator_.integrate(
-          sighting.short_term,
-          beams_in_site(*scan, robot_.lasers()[scan->laser], pose_.pose(), kSeeFreeM), std::nullopt,
-          nullptr);
+      take_scan(*scan, sighting);
     }
+  }
+
+  void take_motion(const MotionReading& motion) {
+    const Pose before = pose_.pose();
+    pose_.update(motion);
+    const Pose& now = pose_.pose();
+    driven_m_ += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
+    turned_rad_ += std::abs(wrap_angle(now.yaw_rad - before.yaw_rad));
+    done_ = turned_ ? turned_rad_ > std::numbers::pi : driven_m_ > way_m_;
+    // Smoothed: the noise of the readings is no motion.
+    const double dt_s = to_seconds(motion.stamp - last_);
+    last_ = motion.stamp;
+    if (dt_s <= 0.0) return;
+    const Eigen::Vector2d rate((now.roll_rad - before.roll_rad) / dt_s,
+                               (now.pitch_rad - before.pitch_rad) / dt_s);
+    tilting_rad_s_ += (rate - tilting_rad_s_) * (1.0 - std::exp(-dt_s / kTiltLagS));
+  }
+
+  /// As the agent maps: beams count no further than roll and pitch are known well enough.
+  void take_scan(const Scan& scan, Sighting& sighting) {
+    const double doubt_rad = 0.004 + tilting_rad_s_.norm() * kTiltLagS;
+    const double range_m = std::min(kSeeFreeM, 0.06 / doubt_rad);
+    std::vector<Beam> beams =
+        beams_in_site(scan, robot_.lasers()[scan.laser], pose_.pose(), range_m);
+    for (Beam& beam : beams) {
+      const Eigen::Vector3d along = beam.end_m - beam.origin_m;
+      if (!beam.hit || along.norm() <= range_m) continue;
+      beam.end_m = beam.origin_m + along.normalized() * range_m;
+      beam.hit = false;
+    }
+    integrator_.integrate(sighting.short_term, beams, std::nullopt, nullptr);
   }
 
   agent::DriveCommand command() {
     if (robot_.truth()->collisions > 0) turned_ = true;
-    if (turned_) return {.speed_m_s = 0.0, .turn_rate_rad_s = 0.6};
+    if (turned_) return {.speed_m_s = 0.0, .turn_rate_rad_s = 0.4};
     return {.speed_m_s = 0.5, .turn_rate_rad_s = bend_rad_s_};
   }
 
@@ -201,6 +233,9 @@ class Looking {
   double bend_rad_s_;
   DeadReckoning pose_{DeadReckoningConfig{}, Pose{}};
   ScanIntegrator integrator_{SensorModel{}};
+  static constexpr double kTiltLagS = 0.4;
+  Eigen::Vector2d tilting_rad_s_ = Eigen::Vector2d::Zero();
+  MonotonicTime last_{};
   double driven_m_ = 0.0;
   double turned_rad_ = 0.0;
   bool done_ = false;
@@ -208,8 +243,8 @@ class Looking {
 
 }  // namespace
 
-Result<Sighting> put_down(const agent::World& world, const Walkable& walkable,
-                          const Mapped& wanted, std::uint64_t seed) {
+Result<Sighting> put_down(const agent::World& world, const Walkable& walkable, const Mapped& wanted,
+                          std::uint64_t seed) {
   agent::Noise noise(seed, 78);
   const auto place = place_for(world, walkable, wanted, noise);
   if (!place) return Error{ErrorCode::unavailable, "there is no free place"};

@@ -40,7 +40,7 @@ using Mapped = std::function<bool(double x_m, double y_m)>;
 struct Sighting {
   HeightMap short_term{125};
   Pose T_submap_robot;
-  Pose T_site_robot;  ///< The truth.
+  Pose T_site_robot;    ///< The truth.
   bool turned = false;  ///< On the spot, otherwise driven for 1 to 3 m.
 };
 
