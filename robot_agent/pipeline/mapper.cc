@@ -39,7 +39,10 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       tracking_(config.tracking),
       writer_(config, boot, evidence),
       replica_(config.cell_size_mm, config.sensor_model, config.kept_bytes),
-      localization_(config) {}
+      localization_(config),
+      relocalization_(config) {
+  relocalization_.begin(T_site_start);
+}
 
 // ---- Readings -----------------------------------------------------------------------------------
 
@@ -56,6 +59,7 @@ void Mapper::take_motion(const MotionReading& reading) {
   if (writer_.open() != nullptr) writer_.touch_ground(T_site_robot_);
   if (!config_.localize) return;
   localization_.move(T_site_robot_);
+  relocalization_.move(dead_reckoning_.pose());
   localize();
 }
 
@@ -68,7 +72,11 @@ void Mapper::take_scan(const Scan& scan) {
     writer_.take_scan(scan, laser, T_site_robot_, trusted_range_m(laser));
   }
   if (!config_.localize) return;
-  localization_.take_scan(scan, laser);
+  if (localization() == LocalizationState::lost) {
+    relocalization_.take_scan(scan, laser, trusted_range_m(laser));
+  } else {
+    localization_.take_scan(scan, laser);
+  }
   localize();
 }
 
@@ -190,13 +198,28 @@ void Mapper::age_submaps() {
 // ---- Localization -------------------------------------------------------------------------------
 
 void Mapper::localize() {
+  if (localization() == LocalizationState::lost) return search_site();
   if (!localization_.due()) return;
   const Eigen::Matrix4d covariance = turned(since_correction_.covariance(), T_site_local_.yaw_rad);
-  const auto answer = localization_.localize(replica_.old(), surroundings(), covariance);
+  const auto answer =
+      localization_.localize(replica_.old(), surroundings(), T_site_robot_, covariance);
   if (answer) correct(answer->T_site_robot, answer->covariance);
-  if (localization() != LocalizationState::lost) return;
+  if (localization() == LocalizationState::lost) become_lost();
+}
+
+void Mapper::become_lost() {
   if (writer_.open() != nullptr) close_submap();
   chained_ = false;  // Nobody knows how it came here.
+  relocalization_.begin(dead_reckoning_.pose());
+  relocalization_.map_changed();
+}
+
+void Mapper::search_site() {
+  // In the old part: what the robot made while it erred without knowing lies at a wrong place.
+  const auto match = relocalization_.find(replica_.old());
+  if (!match) return;
+  localization_.take(*match);
+  if (match->accepted) correct(match->T_site_robot, match->covariance);
 }
 
 SiteLocalization::Surroundings Mapper::surroundings() const {
@@ -243,6 +266,7 @@ double Mapper::position_sigma_m() const {
 
 void Mapper::take_tiles(const std::vector<GivenTile>& tiles) {
   replica_.take(tiles);
+  relocalization_.map_changed();
   forget_far_tiles();
 }
 
@@ -261,6 +285,7 @@ void Mapper::move_submaps(const std::vector<std::pair<std::uint32_t, SubmapPose>
     all.emplace_back(sequence, rounded(compose(T_new_old, pose_of(pose))));
   }
   replica_.move(all);
+  relocalization_.map_changed();
   localization_.carry(T_site_robot_);
   turn_submaps_over();
 }

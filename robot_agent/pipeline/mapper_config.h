@@ -37,6 +37,10 @@ struct MapperConfig {
   /// the map that it was given.
   bool start_known = true;
   ContinuousConfig continuous;
+  /// A lost robot searches the whole map after so much way [m] and turning [rad], added up in
+  /// parts.
+  double search_every_m = 2.0;
+  double search_every_rad = 6.0;
   TrackingConfig tracking;
   /// A level laser tracks the robot while that is less tilted than this [rad] and stays this near
   /// to one height [m]: then it sees the same section of the world, be it walls or slopes.
@@ -48,6 +52,9 @@ struct MapperConfig {
   /// [0 … 1] So much of what is known around the robot must be old for a registration to be tried:
   /// less is new ground.
   double old_share = 0.5;
+  /// [m] One sigma of its position in the site beyond which the robot asks its own old map. That
+  /// holds errors of its own, and to close loops is the pose graph's work.
+  double ask_own_sigma_m = 0.25;
   /// [bytes] Of the robot's own submaps that are kept to be moved; the oldest are then fixed.
   std::size_t kept_bytes = std::size_t{256} << 20;
 };

@@ -85,14 +85,6 @@ class Drive {
   MonotonicTime now_{};
 };
 
-MapperConfig tuned() {
-  MapperConfig c;
-  if (const char* v = std::getenv("OA")) c.old_after_m = std::atof(v);
-  if (const char* v = std::getenv("OS")) c.old_share = std::atof(v);
-  if (const char* v = std::getenv("SD")) c.submap_distance_m = std::atof(v);
-  return c;
-}
-
 const Way kLap{{10.5, 2.5}, {10.5, 10.5}, {2.5, 10.5}, {2.5, 2.5}};
 
 MapperConfig without_localization() {
@@ -101,46 +93,99 @@ MapperConfig without_localization() {
   return config;
 }
 
-TEST(ZMapperWorlds, Measure) {
-  const std::string world = std::getenv("WORLD");
-  Way way = kLap;
-  if (world == "ramp") way = {{10.0, 10.3}, {19.5, 10.3}, {24.3, 10.0}, {24.3, 8.2}, {19.5, 9.3}, {10.0, 9.3}, {4.0, 8.5}};
-  if (world == "block") way = {{-22.0, -22.0}, {22.0, -22.0}, {22.0, 22.0}, {-22.0, 22.0}, {-22.0, -22.0}};
-  if (world == "hill") way = {{7.0, 0.0}, {7.0, 7.0}, {-7.0, 7.0}, {-7.0, -7.0}, {7.0, -7.0}, {7.0, 0.0}, {0.0,0.0}};
-  const int seeds = std::getenv("SEEDS") ? std::atoi(std::getenv("SEEDS")) : 3;
-  for (int seed = 11; seed < 11 + seeds; ++seed) {
-    Drive with(world, seed, tuned());
-    Drive without(world, seed, without_localization());
-    with.along(way); without.along(way);
-    std::cout << world << " " << seed << ": " << with.error_m() << " m z " << with.truth().z_m - with.mapper().pose().z_m << " " << degrees(with.error_rad()) << " deg / "
-              << without.error_m() << " m z " << without.truth().z_m - without.mapper().pose().z_m << " " << degrees(without.error_rad()) << " deg; acc "
-              << with.mapper().corrections_accepted() << " ref "
-              << with.mapper().corrections_refused() << " way " << with.mapper().distance_m() << " "<< with.mapper().localization_why() << " sigma " << with.mapper().position_sigma_m() << " end " << with.truth().x_m << " " << with.truth().y_m << std::endl;
+TEST(MapperDrive, EndsALapOfTheRoomWithinACellWithoutAnyMap) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    Drive drive("room", seed, {});
+    drive.along(kLap);
+    EXPECT_LT(drive.error_m(), 0.05) << seed;
+    EXPECT_LT(drive.error_rad(), radians(0.5)) << seed;
+    EXPECT_EQ(drive.mapper().localization(), LocalizationState::localized) << seed;
+    EXPECT_EQ(drive.mapper().corrections_refused(), 0U) << seed;
   }
 }
 
-TEST(MapperDrive, EndsALapOfTheRoomNearerToTheTruthThanByDeadReckoning) {
-  double with_m = 0.0;
-  double without_m = 0.0;
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    Drive with("room", seed, tuned());
-    Drive without("room", seed, without_localization());
-    for (Drive* drive : {&with, &without}) {
-      drive->along(kLap);
-      drive->along({{8.0, 2.5}});
-    }
-    EXPECT_GT(with.mapper().corrections_accepted(), 0U) << seed;
-    EXPECT_NE(with.mapper().localization(), LocalizationState::lost) << seed;
-    EXPECT_LT(with.error_m(), 0.3) << seed;
-    with_m += with.error_m();
-    without_m += without.error_m();
-    std::cout << seed << ": " << with.error_m() << " m " << with.error_rad() << " / "
-              << without.error_m() << " m " << without.error_rad() << " acc "
-              << with.mapper().corrections_accepted() << " ref "
-              << with.mapper().corrections_refused() << " " << with.mapper().localization_why()
-              << '\n';
+TEST(MapperDrive, IsFarOffAfterALapByDeadReckoning) {
+  Drive drive("room", 1, without_localization());
+  drive.along(kLap);
+  EXPECT_GT(drive.error_m(), 0.1);
+  EXPECT_GT(drive.mapper().position_sigma_m(), 0.2);
+}
+
+TEST(MapperDrive, KnowsHowSureItIs) {
+  Drive drive("room", 3, {});
+  drive.along(kLap);
+  EXPECT_LT(drive.mapper().position_sigma_m(), 0.5);
+  EXPECT_LT(drive.error_m(), 3.0 * drive.mapper().position_sigma_m());
+}
+
+TEST(MapperDrive, ChainsEachSubmapToTheOneBefore) {
+  Drive drive("room", 1, {});
+  drive.along(kLap);
+  drive.mapper().finish();
+  const Replica& replica = drive.mapper().replica();
+  ASSERT_GE(replica.submaps(), 4U);
+  EXPECT_FALSE(replica.find(1)->link);
+  for (std::uint32_t sequence = 2; sequence <= replica.submaps(); ++sequence) {
+    const Submap& submap = *replica.find(sequence);
+    ASSERT_TRUE(submap.link) << sequence;
+    const Pose placed = compose(pose_of(replica.find(sequence - 1)->T_site_submap),
+                                pose_of(submap.link->T_previous_submap));
+    EXPECT_NEAR(placed.x_m, submap.T_site_submap.x_mm / 1e3, 0.01) << sequence;
+    EXPECT_NEAR(placed.y_m, submap.T_site_submap.y_mm / 1e3, 0.01) << sequence;
+    EXPECT_LT(submap.link->sigma_xy_mm, 300) << sequence;
+    EXPECT_GT(submap.link->sigma_yaw_1e4rad, 0) << sequence;
   }
-  EXPECT_LT(with_m, 0.5 * without_m);
+}
+
+/// The room as a robot mapped it that knew where it was.
+HeightMap map_of_room(std::uint64_t seed) {
+  Drive drive("room", seed, {});
+  drive.along(kLap);
+  drive.mapper().finish();
+  return drive.mapper().replica().now();
+}
+
+TEST(MapperDrive, StaysOnAMapThatItWasGiven) {
+  const HeightMap room = map_of_room(4);
+  Drive drive("room", 4, {}, &room);
+  drive.along(kLap);
+  EXPECT_LT(drive.error_m(), 0.06);
+  EXPECT_GT(drive.mapper().corrections_accepted(), 10U);
+  EXPECT_EQ(drive.mapper().localization(), LocalizationState::localized);
+}
+
+TEST(MapperDrive, IsLostAndWritesNothingUntilItHasFoundItselfInTheMap) {
+  const HeightMap room = map_of_room(5);
+  MapperConfig unknown;
+  unknown.start_known = false;
+  Drive drive("room", 5, unknown, &room, {.x_m = 3.0, .y_m = 2.0, .yaw_rad = 1.0});
+  EXPECT_EQ(drive.mapper().localization(), LocalizationState::lost);
+  drive.stand(20);
+  EXPECT_EQ(drive.mapper().open_submap(), nullptr);
+  EXPECT_EQ(drive.evidence().submaps(), 0U);
+  drive.along(kLap);
+  EXPECT_EQ(drive.mapper().localization(), LocalizationState::localized)
+      << drive.mapper().localization_why();
+  EXPECT_LT(drive.error_m(), 0.1);
+  EXPECT_NE(drive.mapper().open_submap(), nullptr);
+}
+
+TEST(MapperDrive, NoticesThatItIsNotWhereItWasToldAndFindsItself) {
+  const HeightMap room = map_of_room(6);
+  Drive drive("room", 6, {}, &room, {.x_m = 4.5, .y_m = 5.0, .yaw_rad = 1.5});
+  bool lost = false;
+  for (const Eigen::Vector2d& corner : kLap) {
+    for (double share = 0.1; share <= 1.0; share += 0.1) {
+      const Eigen::Vector2d here(drive.truth().x_m, drive.truth().y_m);
+      drive.along({here + share * (corner - here)});
+      lost = lost || drive.mapper().localization() == LocalizationState::lost;
+    }
+  }
+  drive.along(kLap);
+  EXPECT_TRUE(lost);
+  EXPECT_EQ(drive.mapper().localization(), LocalizationState::localized)
+      << drive.mapper().localization_why();
+  EXPECT_LT(drive.error_m(), 0.1);
 }
 
 }  // namespace
