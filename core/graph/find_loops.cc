@@ -27,6 +27,15 @@ double expected_overlap(const Footprint& a, const Footprint& b, const LevelPose&
   return sum / 6.0;
 }
 
+/// [m] Ties that are worse than this tell nothing.
+constexpr double kFarM = 1000.0;
+
+std::unordered_map<std::size_t, Relation> by_node(const std::vector<Relation>& relations) {
+  std::unordered_map<std::size_t, Relation> found;
+  for (const Relation& relation : relations) found.emplace(relation.node, relation);
+  return found;
+}
+
 }  // namespace
 
 Ties SubmapGraph::ties() const {
@@ -69,7 +78,6 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t from,
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return a.promise != b.promise ? a.promise > b.promise : a.to < b.to;
   });
-  if (candidates.size() > config_.max_candidates) candidates.resize(config_.max_candidates);
   return candidates;
 }
 
@@ -78,8 +86,9 @@ bool SubmapGraph::try_candidate(std::size_t from, const Candidate& candidate) {
   Try& tried = tried_[std::minmax(from, candidate.to)];
   ++tried.count;
   tried.sigma_m = candidate.sigma_m;
+  const Node& with = nodes_[from];
   const LoopMatch match =
-      match_loop(*to.surface, to.footprint.middle_m(), *nodes_[from].surface,
+      match_loop({*to.surface, to.footprint, to.faces}, {*with.surface, with.footprint, with.faces},
                  candidate.from_to.T_from_node, candidate.from_to.covariance, config_.match);
   if (!match.accepted || edges_.size() >= kMaxEdges) return false;
   add_edge({EdgeKind::loop,
@@ -94,79 +103,96 @@ LoopSearch SubmapGraph::find_loops(int max_registrations) {
   const Ties known = ties();
   while (!to_search_.empty() && search.accepted == 0) {
     const std::size_t node = to_search_.front();
-    for (const Candidate& candidate : candidates_of(node, known)) {
+    if (tried_here_ == 0) first_new_ = edges_.size();
+    std::vector<Candidate> candidates;
+    if (tried_here_ < config_.max_candidates) candidates = candidates_of(node, known);
+    for (const Candidate& candidate : candidates) {
       if (search.registrations >= max_registrations) return search;
+      if (tried_here_++ >= config_.max_candidates) break;
       ++search.registrations;
       search.matched += try_candidate(node, candidate) ? 1 : 0;
     }
+    tried_here_ = 0;
     to_search_.pop_front();
     waits_[node] = false;
-    search.accepted += confirm();
+    search.accepted += confirm(first_new_);
   }
   search.done = to_search_.empty();
   return search;
 }
 
-int SubmapGraph::confirm() {
+std::vector<std::size_t> SubmapGraph::to_confirm(std::size_t first_new) {
+  constexpr std::size_t kOldOnes = 32;
+  std::vector<std::size_t> held;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    if (edges_[i].status == EdgeStatus::held_back) held.push_back(i);
+  }
+  const auto old = std::lower_bound(held.begin(), held.end(), first_new);
+  std::vector<std::size_t> chosen(old, held.end());
+  held.erase(old, held.end());
+  for (std::size_t i = 0; i < std::min(kOldOnes, held.size()); ++i) {
+    chosen.push_back(held[next_held_++ % held.size()]);
+  }
+  return chosen;
+}
+
+int SubmapGraph::confirm(std::size_t first_new) {
   const Ties known = ties();
   std::vector<std::size_t> good;
-  for (std::size_t i = 0; i < edges_.size(); ++i) {
-    if (edges_[i].status == EdgeStatus::held_back && confirmed(edges_[i], known)) good.push_back(i);
+  for (const std::size_t i : to_confirm(first_new)) {
+    if (confirmed(edges_[i], known)) good.push_back(i);
   }
   for (const std::size_t i : good) edges_[i].status = EdgeStatus::accepted;
   return static_cast<int>(good.size());
 }
 
 bool SubmapGraph::confirmed(const Edge& loop, const Ties& known) const {
-  constexpr double kFarM = 1000.0;
   const GraphConstraint& c = loop.constraint;
-  const std::vector<Relation> by_from = known.from(c.from, places(), kFarM);
-  const auto end = std::find_if(by_from.begin(), by_from.end(),
-                                [&](const Relation& r) { return r.node == c.to; });
+  const RelationsByNode by_from = by_node(known.from(c.from, places(), kFarM));
+  const auto end = by_from.find(c.to);
   if (end == by_from.end()) return false;
-  const Eigen::Vector4d off = difference(c.T_from_to, end->T_from_node);
-  const Eigen::Matrix4d information = blurred(c.information, end->covariance);
-  if (off.dot(information * off) > config_.consistent) return false;
+  const auto& [node, T_from_to, covariance] = end->second;
+  const Eigen::Vector4d off = difference(c.T_from_to, T_from_to);
+  if (off.dot(blurred(c.information, covariance) * off) > config_.consistent) return false;
   const PlaceSigma sigma =
-      sigma_of(covariance_at(nodes_[c.to].footprint.middle_m(), end->T_from_node, end->covariance));
+      sigma_of(covariance_at(nodes_[c.to].footprint.middle_m(), T_from_to, covariance));
   if (sigma.m < config_.self_evident_m && sigma.rad < config_.self_evident_rad) return true;
 
-  std::unordered_map<std::size_t, const Relation*> near_from;
-  for (const Relation& r : by_from) near_from[r.node] = &r;
-  std::unordered_map<std::size_t, const Relation*> near_to;
-  const std::vector<Relation> by_to = known.from(c.to, places(), kFarM);
-  for (const Relation& r : by_to) near_to[r.node] = &r;
-  const double bold_m = spread_m(end->covariance);
-  for (const Edge& other : edges_) {
-    if (&other == &loop || other.kind != EdgeKind::loop) continue;
-    if (other.status == EdgeStatus::switched_off) continue;
-    for (const bool turned : {false, true}) {
-      const std::size_t a = turned ? other.constraint.to : other.constraint.from;
-      const std::size_t b = turned ? other.constraint.from : other.constraint.to;
-      if (b == c.to || !near_from.contains(a) || !near_to.contains(b)) continue;
-      if (agree(loop, other, *near_from.at(a), *near_to.at(b), bold_m)) return true;
-    }
-  }
-  return false;
+  const RelationsByNode by_to = by_node(known.from(c.to, places(), kFarM));
+  const auto supports = [&](const Edge& other) {
+    if (other.kind != EdgeKind::loop || other.status == EdgeStatus::switched_off) return false;
+    return agrees(loop, other, by_from, by_to) || agrees(loop, reversed(other), by_from, by_to);
+  };
+  return std::any_of(edges_.begin(), edges_.end(),
+                     [&](const Edge& other) { return &other != &loop && supports(other); });
 }
 
-/// Whether the ring loop → at_to → other → at_from closes, and would not close by itself.
-bool SubmapGraph::agree(const Edge& loop, const Edge& other, const Relation& at_from,
-                        const Relation& at_to, double bold_m) const {
+SubmapGraph::Edge SubmapGraph::reversed(const Edge& edge) {
+  const GraphConstraint& c = edge.constraint;
+  Edge back = edge;
+  const Eigen::Matrix4d covariance = inverted(c.T_from_to, covariance_of(c.information));
+  back.constraint = {c.to, c.from, inverse(c.T_from_to), information_of(covariance), c.robust};
+  return back;
+}
+
+bool SubmapGraph::agrees(const Edge& loop, const Edge& other, const RelationsByNode& by_from,
+                         const RelationsByNode& by_to) const {
   const GraphConstraint& c = loop.constraint;
   const GraphConstraint& o = other.constraint;
-  const bool turned = at_from.node != o.from;
-  const LevelPose T_other = turned ? inverse(o.T_from_to) : o.T_from_to;
-  const Eigen::Matrix4d own = covariance_of(o.information);
-  const Eigen::Matrix4d cov_other = turned ? inverted(o.T_from_to, own) : own;
-  // from → a → b → to, against the loop's from → to.
-  const LevelPose T_from_b = at_from.T_from_node * T_other;
+  if (o.to == c.to) return false;  // The same surface again is no second opinion.
+  const auto at_from = by_from.find(o.from);
+  const auto at_to = by_to.find(o.to);
+  if (at_from == by_from.end() || at_to == by_to.end()) return false;
+  // from → other's from → other's to → to, against the loop's from → to.
+  const LevelPose T_from_b = at_from->second.T_from_node * o.T_from_to;
   const Eigen::Matrix4d cov_from_b =
-      compounded(at_from.T_from_node, at_from.covariance, T_other, cov_other);
-  const LevelPose T_b_to = inverse(at_to.T_from_node);
-  const Eigen::Matrix4d cov_b_to = inverted(at_to.T_from_node, at_to.covariance);
+      compounded(at_from->second.T_from_node, at_from->second.covariance, o.T_from_to,
+                 covariance_of(o.information));
+  const LevelPose T_b_to = inverse(at_to->second.T_from_node);
+  const Eigen::Matrix4d cov_b_to = inverted(at_to->second.T_from_node, at_to->second.covariance);
   const Eigen::Matrix4d around = compounded(T_from_b, cov_from_b, T_b_to, cov_b_to);
-  if (spread_m(around) > 0.5 * bold_m) return false;
+  const double bold_m = spread_m(by_from.at(c.to).covariance);
+  if (spread_m(around) > 0.5 * bold_m) return false;  // It would agree with anything.
   const Eigen::Vector4d off = difference(c.T_from_to, T_from_b * T_b_to);
   return off.dot(blurred(c.information, around) * off) <= config_.consistent;
 }

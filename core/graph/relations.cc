@@ -1,5 +1,6 @@
 #include "core/graph/relations.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <queue>
@@ -18,6 +19,11 @@ Eigen::Matrix4d covariance_of(const Eigen::Matrix4d& information) {
   constexpr double kLeast = 1e-4;
   const Eigen::Matrix4d covariance = (information + kLeast * Eigen::Matrix4d::Identity()).inverse();
   return 0.5 * (covariance + covariance.transpose());
+}
+
+Eigen::Matrix4d information_of(const Eigen::Matrix4d& covariance) {
+  const Eigen::Matrix4d inverse = covariance.llt().solve(Eigen::Matrix4d::Identity());
+  return 0.5 * (inverse + inverse.transpose());
 }
 
 Eigen::Matrix4d blurred(const Eigen::Matrix4d& information, const Eigen::Matrix4d& more) {

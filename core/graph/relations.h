@@ -29,6 +29,9 @@ struct Tie {
 /// Covariance behind an information matrix; what it does not tell is known to 100 m or rad.
 [[nodiscard]] Eigen::Matrix4d covariance_of(const Eigen::Matrix4d& information);
 
+/// And back. Requires: positive definite.
+[[nodiscard]] Eigen::Matrix4d information_of(const Eigen::Matrix4d& covariance);
+
 /// What a measurement tells when it may be off by `more` besides: (information⁻¹ + more)⁻¹, also
 /// where the information is singular.
 [[nodiscard]] Eigen::Matrix4d blurred(const Eigen::Matrix4d& information,

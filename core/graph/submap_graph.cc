@@ -13,11 +13,6 @@ bool is_covariance(const Eigen::Matrix4d& m) {
          m.llt().info() == Eigen::Success;
 }
 
-Eigen::Matrix4d inverse_of(const Eigen::Matrix4d& covariance) {
-  const Eigen::Matrix4d inverse = covariance.llt().solve(Eigen::Matrix4d::Identity());
-  return 0.5 * (inverse + inverse.transpose());
-}
-
 bool is_sound(const SubmapEdge& edge) {
   return is_finite(edge.T_from_to) && edge.information.allFinite();
 }
@@ -30,7 +25,7 @@ Eigen::Matrix4d odometry_covariance(const LevelPose& T_previous_submap,
   // A tracked or wheeled robot with a gyro (T3.2); the floor is what maps are good for anyway.
   constexpr double kPerM = 0.02;
   constexpr double kRadPerM = 0.002;
-  constexpr double kRadPerRad = 0.015;
+  constexpr double kRadPerRad = 0.005;
   constexpr double kFloorM = 0.03;
   constexpr double kFloorRad = 0.005;
   const double yaw = kFloorRad + kRadPerM * way_m + kRadPerRad * turned_rad;
@@ -72,23 +67,25 @@ Status SubmapGraph::add_submap(SubmapNode node) {
   if (node.link) {
     const std::size_t previous = index_.at(node.link->previous);
     place = nodes_[previous].T_site_submap * node.link->T_previous_submap;
-    add_edge({EdgeKind::chain,
-              EdgeStatus::accepted,
-              {previous, i, node.link->T_previous_submap, inverse_of(node.link->covariance), false},
-              true});
+    add_edge(
+        {EdgeKind::chain,
+         EdgeStatus::accepted,
+         {previous, i, node.link->T_previous_submap, information_of(node.link->covariance), false},
+         true});
   } else if (i > 0) {
     const LevelPose& oldest = nodes_.front().T_site_submap;
     const Eigen::Matrix4d R = turned_axes(-oldest.yaw_rad);
     const Eigen::Matrix4d covariance = R * node.prior_covariance * R.transpose();
     add_edge({EdgeKind::prior,
               EdgeStatus::accepted,
-              {0, i, between(oldest, place), inverse_of(covariance), false},
+              {0, i, between(oldest, place), information_of(covariance), false},
               true});
   }
   Footprint footprint(*node.surface);
   index_.emplace(node.id, i);
-  nodes_.push_back(
-      {node.id, std::move(node.surface), std::move(footprint), place, node.T_site_submap});
+  Faces faces(*node.surface);
+  nodes_.push_back({node.id, std::move(node.surface), std::move(footprint), std::move(faces), place,
+                    node.T_site_submap});
   waits_.push_back(true);
   to_search_.push_back(i);
   return {};
@@ -101,14 +98,23 @@ void SubmapGraph::add_edge(const Edge& edge) {
   }
 }
 
+std::vector<std::size_t> SubmapGraph::taking_part() const {
+  std::vector<std::size_t> firm;
+  std::vector<std::size_t> loops;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    if (edges_[i].status == EdgeStatus::held_back) continue;
+    (edges_[i].kind == EdgeKind::loop ? loops : firm).push_back(i);
+  }
+  firm.insert(firm.end(), loops.begin(), loops.end());
+  return firm;
+}
+
 PoseGraph SubmapGraph::pose_graph() const {
   PoseGraph graph;
   graph.nodes = places();
   graph.fixed.assign(nodes_.size(), false);
   graph.fixed[0] = true;
-  for (const Edge& edge : edges_) {
-    if (edge.status != EdgeStatus::held_back) graph.constraints.push_back(edge.constraint);
-  }
+  for (const std::size_t i : taking_part()) graph.constraints.push_back(edges_[i].constraint);
   return graph;
 }
 
@@ -117,8 +123,8 @@ Result<std::vector<SubmapPlace>> SubmapGraph::optimise() {
   const Result<OptimisedGraph> optimum = cairn::optimise(pose_graph(), config_.graph);
   if (!optimum) return optimum.error();
   auto off = optimum->switched_off.begin();
-  for (Edge& edge : edges_) {
-    if (edge.status == EdgeStatus::held_back) continue;
+  for (const std::size_t i : taking_part()) {
+    Edge& edge = edges_[i];
     edge.status = *off++ ? EdgeStatus::switched_off : EdgeStatus::accepted;
     edge.laid = true;
   }
@@ -208,12 +214,17 @@ Status SubmapGraph::restore(const FoundLoops& found) {
               true});
   }
   for (const TriedPair& tried : found.tried) {
-    if (const auto pair = pair_of(tried.a, tried.b)) tried_[*pair] = {tried.tries, tried.sigma_m};
+    const auto pair = pair_of(tried.a, tried.b);
+    if (!pair) continue;
+    tried_[*pair] = {tried.tries, tried.sigma_m};
+    waits_[pair->first] = waits_[pair->second] = false;
   }
+  std::erase_if(to_search_, [this](std::size_t node) { return !waits_[node]; });
   for (const SubmapPlace& place : found.places) {
     const auto node = index_.find(place.id);
     if (node == index_.end()) continue;
     nodes_[node->second].T_site_submap = place.T_site_submap;
+    nodes_[node->second].reported = place.T_site_submap;
   }
   return {};
 }

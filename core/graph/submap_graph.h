@@ -159,7 +159,8 @@ class SubmapGraph {
   /// What searching has found out.
   [[nodiscard]] FoundLoops found() const;
   /// Takes it up again after a restart, when the same submaps were added again. What belongs to
-  /// submaps that are not there is left out. Error: not finite; then nothing is taken up.
+  /// submaps that are not there is left out. Submaps that were compared before are not searched
+  /// again until they move. Error: not finite; then nothing is taken up.
   Status restore(const FoundLoops& found);
 
  private:
@@ -167,6 +168,7 @@ class SubmapGraph {
     SubmapId id;
     std::shared_ptr<const HeightMap> surface;
     Footprint footprint;
+    Faces faces;
     LevelPose T_site_submap;
     LevelPose reported;
   };
@@ -184,6 +186,8 @@ class SubmapGraph {
 
   [[nodiscard]] std::string objection_to(const SubmapNode& node) const;
   void add_edge(const Edge& edge);
+  /// Edges that are not held back: firm ones first, so that a restart leaves their order.
+  [[nodiscard]] std::vector<std::size_t> taking_part() const;
   [[nodiscard]] PoseGraph pose_graph() const;
   std::vector<SubmapPlace> take_places(const OptimisedGraph& optimum);
   [[nodiscard]] SubmapEdge named(const Edge& edge) const;
@@ -200,10 +204,16 @@ class SubmapGraph {
   [[nodiscard]] std::vector<Candidate> candidates_of(std::size_t from, const Ties& ties) const;
   [[nodiscard]] bool worth_a_try(std::size_t from, std::size_t to, double sigma_m) const;
   bool try_candidate(std::size_t from, const Candidate& candidate);
-  int confirm();
-  [[nodiscard]] bool confirmed(const Edge& loop, const Ties& ties) const;
-  [[nodiscard]] bool agree(const Edge& loop, const Edge& other, const Relation& at_from,
-                           const Relation& at_to, double bold_m) const;
+  /// Loops held back that are looked at now: the new ones, and some of the old ones in turn.
+  [[nodiscard]] std::vector<std::size_t> to_confirm(std::size_t first_new);
+  int confirm(std::size_t first_new);
+  [[nodiscard]] bool confirmed(const Edge& loop, const Ties& known) const;
+  using RelationsByNode = std::unordered_map<std::size_t, Relation>;
+  /// Whether the ring loop, by_to, other, by_from closes, and would not close by itself
+  /// (Mangelson et al. 2018: pairwise consistency).
+  [[nodiscard]] bool agrees(const Edge& loop, const Edge& other, const RelationsByNode& by_from,
+                            const RelationsByNode& by_to) const;
+  [[nodiscard]] static Edge reversed(const Edge& edge);
 
   SubmapGraphConfig config_;
   std::vector<Node> nodes_;  ///< [Limit: ≤ kMaxSubmaps]
@@ -212,6 +222,9 @@ class SubmapGraph {
   std::map<Pair, Try> tried_;          ///< [Limit: ≤ kMaxTriedPairs]
   std::set<Pair> matched_;             ///< Pairs that a loop ties.
   std::deque<std::size_t> to_search_;  ///< Each node at most once.
+  std::size_t tried_here_ = 0;         ///< Candidates of the first of them.
+  std::size_t first_new_ = 0;          ///< Edge from which on its loops are.
+  std::size_t next_held_ = 0;          ///< Whose turn it is to be confirmed.
   std::vector<bool> waits_;            ///< Per node: it is in to_search_.
 };
 
