@@ -98,7 +98,7 @@ class Replay {
     if (!run_.places.empty()) run_.log_s = to_seconds(run_.places.back().stamp);
     std::cout << "corrections " << mapper_.corrections_accepted() << ", refused "
               << mapper_.corrections_refused() << ", submaps " << run_.submaps.size() << ", "
-              << mapper_.distance_m() << " m, lost readings " << lost_ << '\n';
+              << mapper_.distance_m() << " m, lost readings " << lost_ << std::endl;
     return std::move(run_);
   }
 
@@ -130,7 +130,6 @@ Result<Run> replay(const Options& options) {
   agent::MapperConfig config;
   config.cell_size_mm = options.cell_mm;
   config.kept_bytes = std::size_t{8} << 30;
-  if (const char* v = std::getenv("OLD_SHARE")) config.old_share = std::atof(v);
   Replay replay(**input, config);
   while (!(*input)->finished()) {
     const auto next = (*input)->next_stamp();
@@ -280,6 +279,7 @@ int run(const Options& options) {
   const RelationErrors robot = relation_errors(*relations, track(*run, *first_s));
   print("odometry", raw);
   print("robot   ", robot);
+  std::cout << std::flush;
   if (const Status closed = close_loops(*run); !closed) {
     std::cerr << closed.error().message << '\n';
     return 1;
