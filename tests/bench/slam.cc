@@ -89,10 +89,10 @@ class Replay {
     const std::clock_t start = std::clock();
     mapper_.finish();
     cpu_ += std::clock() - start;
-    for (const Place& place : run_.places) {
-      if (run_.submaps.contains(place.sequence)) continue;
-      const Submap* submap = mapper_.replica().find(place.sequence);
-      if (submap != nullptr) run_.submaps.emplace(place.sequence, *submap);
+    const std::uint32_t last = run_.places.empty() ? 0 : run_.places.back().sequence;
+    for (std::uint32_t sequence = 1; sequence <= last; ++sequence) {
+      const Submap* submap = mapper_.replica().find(sequence);
+      if (submap != nullptr) run_.submaps.emplace(sequence, *submap);
     }
     run_.cpu_s = static_cast<double>(cpu_) / CLOCKS_PER_SEC;
     if (!run_.places.empty()) run_.log_s = to_seconds(run_.places.back().stamp);
