@@ -197,28 +197,13 @@ class Looking {
     driven_m_ += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
     turned_rad_ += std::abs(wrap_angle(now.yaw_rad - before.yaw_rad));
     done_ = turned_ ? turned_rad_ > std::numbers::pi : driven_m_ > way_m_;
-    // Smoothed: the noise of the readings is no motion.
-    const double dt_s = to_seconds(motion.stamp - last_);
-    last_ = motion.stamp;
-    if (dt_s <= 0.0) return;
-    const Eigen::Vector2d rate((now.roll_rad - before.roll_rad) / dt_s,
-                               (now.pitch_rad - before.pitch_rad) / dt_s);
-    tilting_rad_s_ += (rate - tilting_rad_s_) * (1.0 - std::exp(-dt_s / kTiltLagS));
   }
 
-  /// As the agent maps: beams count no further than roll and pitch are known well enough.
   void take_scan(const Scan& scan, Sighting& sighting) {
-    const double doubt_rad = 0.004 + tilting_rad_s_.norm() * kTiltLagS;
-    const double range_m = std::min(kSeeFreeM, 0.06 / doubt_rad);
-    std::vector<Beam> beams =
-        beams_in_site(scan, robot_.lasers()[scan.laser], pose_.pose(), range_m);
-    for (Beam& beam : beams) {
-      const Eigen::Vector3d along = beam.end_m - beam.origin_m;
-      if (!beam.hit || along.norm() <= range_m) continue;
-      beam.end_m = beam.origin_m + along.normalized() * range_m;
-      beam.hit = false;
-    }
-    integrator_.integrate(sighting.short_term, beams, std::nullopt, nullptr);
+    integrator_.integrate(
+        sighting.short_term,
+        beams_in_site(scan, robot_.lasers()[scan.laser], pose_.pose(), kSeeFreeM), std::nullopt,
+        nullptr);
   }
 
   agent::DriveCommand command() {
@@ -233,9 +218,6 @@ class Looking {
   double bend_rad_s_;
   DeadReckoning pose_{DeadReckoningConfig{}, Pose{}};
   ScanIntegrator integrator_{SensorModel{}};
-  static constexpr double kTiltLagS = 0.4;
-  Eigen::Vector2d tilting_rad_s_ = Eigen::Vector2d::Zero();
-  MonotonicTime last_{};
   double driven_m_ = 0.0;
   double turned_rad_ = 0.0;
   bool done_ = false;
