@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/localization/match_raster.h"
+#include "core/localization/long_term_relief.h"
 
 namespace cairn {
 
@@ -14,14 +14,7 @@ namespace cairn {
 struct ShortTermCell {
   Eigen::Vector2d from_robot_m;  ///< Its middle, along the short-term map's axes.
   double height_mm = 0.0;        ///< Above the robot's foot.
-};
-
-/// The long-term map around the robot with what refinement asks of it.
-struct LongTermRelief {
-  MatchRaster heights;
-  std::vector<std::int16_t> ground;  ///< As from ground_under; empty: faces are not clipped.
-  int face_mm = 0;                   ///< As in clip_faces.
-  double cell_m = 0.0;
+  double top_mm = 0.0;           ///< The highest near it, see highest_around.
 };
 
 struct RefineConfig {
@@ -29,6 +22,8 @@ struct RefineConfig {
   double flat_sigma_mm = 20.0;
   /// [-] What of the heights around a cell adds to its spread: cells cover edges differently.
   double relief_share = 0.3;
+  /// [-] Of faces seen from the side the map tells which cells they cross, not where in them.
+  double side_face_relief_share = 0.6;
   /// [mm] Relief below this is noise and tells nothing of x, y and yaw.
   double noise_relief_mm = 40.0;
   /// [-] Neighbouring cells err together: this many count as one.

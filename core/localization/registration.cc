@@ -200,9 +200,12 @@ class Registering {
     const Eigen::Matrix4d prior_information =
         (wide ? Eigen::Matrix4d(prior_covariance_ + window_covariance()) : prior_covariance_)
             .inverse();
-    const LongTermRelief relief = relief_around();
-    const auto match = refine(short_term_cells(short_term_, prior_), relief, prior_place(),
-                              prior_information, place_of(start), config_.refine);
+    const double cell_m = long_term_.cell_size_m();
+    const LongTermRelief relief =
+        make_relief(problem_.long_term, face_search(cell_m, config_), cell_m);
+    const std::vector<ShortTermCell> cells = short_term_cells(problem_.short_term, cell_m, prior_);
+    const auto match =
+        refine(cells, relief, prior_place(), prior_information, place_of(start), config_.refine);
     if (!match) return refused("the maps do not overlap where they match best");
     answer.information = match->information;
     answer.covariance = match->covariance;
@@ -291,12 +294,6 @@ class Registering {
     Eigen::Vector4d sigma;
     sigma << window_.reach_m, window_.reach_m, config_.z_window_m, window_.yaw_rad;
     return Eigen::Matrix4d(sigma.cwiseProduct(sigma).asDiagonal());
-  }
-
-  [[nodiscard]] LongTermRelief relief_around() const {
-    LongTermRelief relief{problem_.long_term, {}, config_.face_mm, long_term_.cell_size_m()};
-    relief.ground = ground_under(relief.heights, ground_search(long_term_, config_));
-    return relief;
   }
 
   [[nodiscard]] double overlap_share(std::size_t cells) const {

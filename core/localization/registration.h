@@ -26,7 +26,7 @@ struct RegistrationConfig {
   double z_window_m = 1.5;
   /// [-] Normalised score from which a match is a good one (thesis).
   double good_match = 0.7;
-  /// [mm] How far up a face is looked at (cairn), see clip_faces.
+  /// [mm] So far up a face is looked at in any case (cairn), see LongTermRelief.
   int face_mm = 350;
   /// [m] The ground that a face stands on is looked for this far around it.
   double ground_reach_m = 0.75;
