@@ -64,7 +64,7 @@ bool is_thin(const MatchRaster& raster, const std::vector<char>& marked, int x, 
 
 /// Whether much around is unknown: what is behind was not seen.
 bool hides_something(const MatchRaster& raster, int x, int y) {
-  constexpr int kHidden = 7;  // Of 25: behind a line that runs through the middle there are 10.
+  constexpr int kHidden = 10;  // Of 25: as many as lie behind a line through the middle.
   int count = 0;
   visit_around(raster, x, y, kAround,
                [&](std::size_t i) { count += raster.height_mm[i] == raster.unknown ? 1 : 0; });

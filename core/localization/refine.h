@@ -23,7 +23,7 @@ struct RefineConfig {
   /// [-] What of the heights around a cell adds to its spread: cells cover edges differently.
   double relief_share = 0.3;
   /// [-] Of faces seen from the side the map tells which cells they cross, not where in them.
-  double side_face_relief_share = 0.6;
+  double side_face_relief_share = 0.75;
   /// [mm] Relief below this is noise and tells nothing of x, y and yaw.
   double noise_relief_mm = 40.0;
   /// [-] Neighbouring cells err together: this many count as one.

@@ -1,6 +1,7 @@
 #include "core/localization/registration.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
@@ -24,11 +25,18 @@ constexpr std::size_t kMaxBasins = 32;
 constexpr int kBasinCells = 3;
 constexpr double kBasinRad = 0.05;
 
+bool is_covariance(const Eigen::Matrix4d& matrix) {
+  constexpr double kRounding = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(matrix, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().minCoeff() >= -kRounding;
+}
+
 std::string unusable(const HeightMap& short_term, const RegistrationPrior& prior) {
   if (!is_finite(prior.T_site_submap) || !is_finite(prior.T_submap_robot) ||
       !prior.covariance.allFinite()) {
     return "the prior is not finite";
   }
+  if (!is_covariance(prior.covariance)) return "the prior's covariance is none";
   const double far_m =
       std::max({std::abs(prior.T_site_submap.x_m), std::abs(prior.T_site_submap.y_m),
                 std::abs(prior.T_site_submap.z_m)});
@@ -57,6 +65,16 @@ Eigen::Matrix4d floored(const Eigen::Matrix4d& covariance, const RegistrationCon
 /// What is left of a difference between places when either may be off by a step of the search.
 RobotPlace beyond(const RobotPlace& d, const RobotPlace& step) {
   return d.array().sign().matrix().cwiseProduct((d.cwiseAbs() - step).cwiseMax(0.0));
+}
+
+Registration refused(const RegistrationPrior& prior, const std::string& why) {
+  Registration answer;
+  answer.T_site_submap = prior.T_site_submap;
+  answer.T_site_robot = robot_pose(prior, prior.T_site_submap);
+  answer.best_cell = prior.T_site_submap;
+  answer.covariance = prior.covariance;
+  answer.why = why;
+  return answer;
 }
 
 /// One registration's way from problem to answer.
@@ -306,13 +324,7 @@ class Registering {
   }
 
   [[nodiscard]] Registration refused(const std::string& why) const {
-    Registration answer;
-    answer.T_site_submap = prior_.T_site_submap;
-    answer.T_site_robot = robot_pose(prior_, prior_.T_site_submap);
-    answer.best_cell = prior_.T_site_submap;
-    answer.covariance = prior_.covariance;
-    answer.why = why;
-    return answer;
+    return cairn::refused(prior_, why);
   }
 
   const HeightMap& short_term_;
@@ -330,12 +342,9 @@ class Registering {
 Registration register_map(const HeightMap& short_term, const RegistrationPrior& prior,
                           const HeightMap& long_term, const RegistrationConfig& config) {
   assert(short_term.cell_size_mm() == long_term.cell_size_mm());
-  Registration answer;
-  answer.why = unusable(short_term, prior);
-  answer.T_site_submap = prior.T_site_submap;
-  if (!answer.why.empty()) return answer;
+  if (std::string why = unusable(short_term, prior); !why.empty()) return refused(prior, why);
   Registering registering(short_term, prior, long_term, config);
-  answer = registering.narrow();
+  Registration answer = registering.narrow();
   if (answer.accepted || !config.widen || config.mode == RegistrationMode::thesis) return answer;
   Registration wide = registering.wide();
   if (!wide.accepted) wide.why = answer.why + "; in the wide window: " + wide.why;
