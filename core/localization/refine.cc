@@ -66,6 +66,7 @@ struct Normal {
   Eigen::Vector4d b = Eigen::Vector4d::Zero();
   std::size_t overlap = 0;
   std::size_t inliers = 0;
+  double misfit = 0.0;
   double weights = 0.0;  ///< In units of 1/σ²: how many cells count.
   double squares = 0.0;  ///< Weighted (residual / σ)².
   double weights_mm = 0.0;
@@ -118,13 +119,13 @@ class NormalEquations {
 
  private:
   void add(const Eigen::Vector4d& J, double residual_mm, double edge_mm) {
-    constexpr double kFarSigmas2 = 6.0;  // From about here on a difference counts less and less.
     const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + edge_mm * edge_mm;
     const double squared = residual_mm * residual_mm / variance;
-    const double fit = 1.0 / (1.0 + squared / kFarSigmas2);
+    const double fit = 1.0 / (1.0 + squared / kMostMisfit);
     const double weight = fit * fit / variance;
     normal_.H.noalias() += weight * J * J.transpose();
     normal_.b.noalias() -= weight * residual_mm * J;
+    normal_.misfit += squared * fit;
     ++normal_.overlap;
     normal_.inliers += squared < 9.0 ? 1 : 0;
     normal_.weights += fit * fit;
@@ -227,6 +228,8 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   result.covariance = (result.information + prior_information).inverse();
   result.overlap = normal.overlap;
   result.inliers = static_cast<double>(normal.inliers) / static_cast<double>(normal.overlap);
+  result.misfit = normal.misfit / static_cast<double>(normal.overlap);
+  result.opinions = static_cast<double>(normal.overlap) / config.cells_per_opinion;
   result.residual_mm = std::sqrt(normal.squares_mm / normal.weights_mm);
   return result;
 }
