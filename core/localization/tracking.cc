@@ -34,15 +34,15 @@ Eigen::Vector3d difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 /// A place and how well the sweep lies there.
 struct Tracking::Fit {
-  Eigen::Vector3d place;  ///< x, y [m], yaw [rad].
-  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d place;                                  ///< x, y [m], yaw [rad].
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< Of the match alone.
   std::size_t near_points = 0;
   double agreement = 0.0;
 };
 
 TrackedStep Tracking::track(const Scan& scan, const LaserSpec& laser, const Pose& predicted,
                             const Eigen::Matrix3d& covariance) {
-  TrackedStep step{.T_local_robot = predicted, .covariance = covariance};
+  TrackedStep step{.T_local_robot = predicted};
   if (!is_finite(predicted) || !covariance.allFinite()) return step;
   const std::vector<SurfacePoint> points = surface_points(scan, laser, predicted, config_.points);
   const Eigen::Vector3d start(predicted.x_m, predicted.y_m, predicted.yaw_rad);
@@ -58,7 +58,7 @@ TrackedStep Tracking::track(const Scan& scan, const LaserSpec& laser, const Pose
     step.T_local_robot.x_m = found.place[0];
     step.T_local_robot.y_m = found.place[1];
     step.T_local_robot.yaw_rad = wrap_angle(found.place[2]);
-    step.covariance = found.information.inverse();
+    step.information = found.information;
   }
   misses_ = step.matched || found.near_points < config_.min_points ? 0 : misses_ + 1;
   step.kept = keep(points, step.matched ? found.place : start);
@@ -91,7 +91,7 @@ Tracking::Fit Tracking::fit(const std::vector<SurfacePoint>& points,
       1.0 / (config_.points_per_opinion * config_.surface_sigma_m * config_.surface_sigma_m);
   double scale_m = config_.begin_scale_m;
   for (int i = 0; i < config_.iterations; ++i) {
-    Eigen::Matrix3d H = information;
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = information * difference(fit.place, predicted);
     for (const SurfacePoint& point : points) {
       const SurfacePoint at = placed(point, fit.place);
@@ -107,7 +107,7 @@ Tracking::Fit Tracking::fit(const std::vector<SurfacePoint>& points,
       H += weight * J * J.transpose();
       g += weight * surface->distance_m * J;
     }
-    const Eigen::Vector3d step = H.ldlt().solve(-g);
+    const Eigen::Vector3d step = (H + information).ldlt().solve(-g);
     fit.place += step;
     fit.information = H;
     if (scale_m <= config_.agree_m && step.head<2>().norm() < 1e-4 && std::abs(step[2]) < 1e-5) {

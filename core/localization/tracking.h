@@ -39,8 +39,9 @@ struct TrackedStep {
   bool kept = false;            ///< The sweep became part of the surfaces.
   double agreement = 0.0;       ///< [0 … 1] Of the points that lie near a surface.
   std::size_t near_points = 0;  ///< Points that lie near a surface.
-  /// Of (x [m], y [m], yaw [rad]) against the surfaces of before, the prediction included.
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  /// Of (x [m], y [m], yaw [rad]), of the match alone: (near) zero in directions that the surfaces
+  /// do not show.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 };
 
 /// Local tracking: lays each sweep of a level laser onto the surfaces met lately, seen from above

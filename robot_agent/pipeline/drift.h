@@ -20,17 +20,22 @@ class Drift {
   void start(const Eigen::Matrix4d& covariance);
   /// The robot went from one pose to the next in the local frame, in this time.
   void add(const Pose& T_local_before, const Pose& T_local_after, double dt_s);
-  /// Local tracking found the robot here; `step` is the covariance of (x, y, yaw) of all the way
-  /// since the last `kept` place, and counts instead of what dead reckoning added since then.
-  void track(const Pose& T_local_robot, const Eigen::Matrix3d& step, bool kept);
+  /// Local tracking found the robot here, with this information about (x, y, yaw) against the
+  /// surfaces of before. Counts instead of what dead reckoning added since the last `kept` place,
+  /// except where the surfaces told nothing.
+  void track(const Pose& T_local_robot, const Eigen::Matrix3d& information, bool kept);
 
   [[nodiscard]] const Eigen::Matrix4d& covariance() const { return covariance_; }
 
  private:
+  [[nodiscard]] Eigen::Matrix3d untracked() const;
+
   DeadReckoningConfig config_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d kept_covariance_ = Eigen::Matrix4d::Zero();  ///< At the last kept place.
   std::optional<Pose> T_local_kept_;
+  double kept_way_m_ = 0.0;  ///< Way since then.
+  double kept_turn_rad_ = 0.0;
   double way_m_ = 0.0;
   double turn_rad_ = 0.0;
 };

@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kMaxYoung = 64;
 /// [m] Around the robot is what lies within.
 constexpr double kAroundM = 8.0;
+/// [rad] A laser mounted so is level.
+constexpr double kLevelMountRad = 0.01;
 /// [rad] A correction that turns the robot by more ends the submap.
 constexpr double kTurnThatTearsRad = 0.0087;
 
@@ -37,7 +39,10 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       tracking_(config.tracking),
       writer_(config, boot, evidence),
       replica_(config.cell_size_mm, config.sensor_model, config.kept_bytes),
-      localization_(config) {}
+      localization_(config),
+      relocalization_(config) {
+  relocalization_.begin(T_site_start);
+}
 
 // ---- Readings -----------------------------------------------------------------------------------
 
@@ -54,19 +59,24 @@ void Mapper::take_motion(const MotionReading& reading) {
   if (writer_.open() != nullptr) writer_.touch_ground(T_site_robot_);
   if (!config_.localize) return;
   localization_.move(T_site_robot_);
+  relocalization_.move(dead_reckoning_.pose());
   localize();
 }
 
 void Mapper::take_scan(const Scan& scan) {
   if (scan.laser >= lasers_.size()) return;
   const LaserSpec& laser = lasers_[scan.laser];
-  if (config_.localize && laser.ground_along_beam) track(scan, laser);
+  if (config_.localize && in_section(laser)) track(scan, laser);
   turn_submaps_over();
   if (writer_.open() != nullptr) {
     writer_.take_scan(scan, laser, T_site_robot_, trusted_range_m(laser));
   }
   if (!config_.localize) return;
-  localization_.take_scan(scan, laser);
+  if (localization() == LocalizationState::lost) {
+    relocalization_.take_scan(scan, laser, trusted_range_m(laser));
+  } else {
+    localization_.take_scan(scan, laser);
+  }
   localize();
 }
 
@@ -76,6 +86,22 @@ void Mapper::finish() {
 
 void Mapper::place_robot() { T_site_robot_ = compose(T_site_local_, dead_reckoning_.pose()); }
 
+bool Mapper::in_section(const LaserSpec& laser) {
+  const Pose& mount = laser.T_robot_sensor;
+  if (std::abs(mount.roll_rad) > kLevelMountRad || std::abs(mount.pitch_rad) > kLevelMountRad) {
+    return false;
+  }
+  const Pose& robot = dead_reckoning_.pose();
+  const bool level = std::hypot(robot.roll_rad, robot.pitch_rad) < config_.section_tilt_rad;
+  if (level && section_z_m_ && std::abs(robot.z_m - *section_z_m_) < config_.section_z_m) {
+    return true;
+  }
+  tracking_.forget();
+  section_z_m_.reset();
+  if (level) section_z_m_ = robot.z_m;
+  return level;
+}
+
 void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   constexpr std::array kPlanar{0, 1, 3};
   const Eigen::Matrix3d moved = dead_reckoning_.covariance()(kPlanar, kPlanar);
@@ -83,8 +109,8 @@ void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   if (!step.matched) return;
   const double turn_rad = wrap_angle(step.T_local_robot.yaw_rad - dead_reckoning_.pose().yaw_rad);
   dead_reckoning_.correct(step.T_local_robot, Eigen::Matrix4d::Zero());
-  since_correction_.track(step.T_local_robot, step.covariance, step.kept);
-  since_submap_.track(step.T_local_robot, step.covariance, step.kept);
+  since_correction_.track(step.T_local_robot, step.information, step.kept);
+  since_submap_.track(step.T_local_robot, step.information, step.kept);
   submap_turned_rad_ += std::abs(turn_rad);
   place_robot();
   localization_.move(T_site_robot_);
@@ -124,7 +150,7 @@ void Mapper::begin_submap() {
   writer_.begin(T_site_robot_, replica_.now());
   const Pose T_site_submap = pose_of(writer_.open()->T_site_submap);
   young_.push_back(
-      {writer_.open()->id.sequence, between(level(T_site_local_), T_site_submap), distance_m()});
+      {writer_.open()->id.sequence, from_to(level(T_site_local_), T_site_submap), distance_m()});
   if (chained_) link_submap();
   chained_ = true;
   since_submap_.start(Eigen::Matrix4d::Zero());
@@ -141,7 +167,7 @@ void Mapper::link_submap() {
   const double lever_m = std::hypot(T_local_submap.x_m - robot.x_m, T_local_submap.y_m - robot.y_m);
   const double xy_m2 =
       0.5 * (covariance(0, 0) + covariance(1, 1)) + 0.5 * lever_m * lever_m * covariance(3, 3);
-  writer_.link({.T_previous_submap = rounded(between(T_local_previous, T_local_submap)),
+  writer_.link({.T_previous_submap = rounded(from_to(T_local_previous, T_local_submap)),
                 .sigma_xy_mm = saturated(std::sqrt(xy_m2) * 1e3),
                 .sigma_z_mm = saturated(std::sqrt(covariance(2, 2)) * 1e3),
                 .sigma_yaw_1e4rad = saturated(std::sqrt(covariance(3, 3)) * 1e4)});
@@ -172,13 +198,28 @@ void Mapper::age_submaps() {
 // ---- Localization -------------------------------------------------------------------------------
 
 void Mapper::localize() {
+  if (localization() == LocalizationState::lost) return search_site();
   if (!localization_.due()) return;
   const Eigen::Matrix4d covariance = turned(since_correction_.covariance(), T_site_local_.yaw_rad);
-  const auto answer = localization_.localize(replica_.old(), surroundings(), covariance);
+  const auto answer =
+      localization_.localize(replica_.old(), surroundings(), T_site_robot_, covariance);
   if (answer) correct(answer->T_site_robot, answer->covariance);
-  if (localization() != LocalizationState::lost) return;
+  if (localization() == LocalizationState::lost) become_lost();
+}
+
+void Mapper::become_lost() {
   if (writer_.open() != nullptr) close_submap();
   chained_ = false;  // Nobody knows how it came here.
+  relocalization_.begin(dead_reckoning_.pose());
+  relocalization_.map_changed();
+}
+
+void Mapper::search_site() {
+  // In the old part: what the robot made while it erred without knowing lies at a wrong place.
+  const auto match = relocalization_.find(replica_.old());
+  if (!match) return;
+  localization_.take(*match);
+  if (match->accepted) correct(match->T_site_robot, match->covariance);
 }
 
 SiteLocalization::Surroundings Mapper::surroundings() const {
@@ -212,7 +253,7 @@ void Mapper::put(const Pose& T_site_robot) {
   // Within a cell the open submap takes it; beyond, it would hold the same wall twice.
   const bool tears = way_m * 1000.0 > config_.cell_size_mm || turn_rad > kTurnThatTearsRad;
   if (tears && writer_.open() != nullptr) close_submap();
-  T_site_local_ = compose(level(T_site_robot), between(level(dead_reckoning_.pose()), {}));
+  T_site_local_ = compose(level(T_site_robot), from_to(level(dead_reckoning_.pose()), {}));
   place_robot();
 }
 
@@ -225,6 +266,7 @@ double Mapper::position_sigma_m() const {
 
 void Mapper::take_tiles(const std::vector<GivenTile>& tiles) {
   replica_.take(tiles);
+  relocalization_.map_changed();
   forget_far_tiles();
 }
 
@@ -235,7 +277,7 @@ void Mapper::move_submaps(const std::vector<std::pair<std::uint32_t, SubmapPose>
   const Submap* const before = replica_.find(newest->first);
   if (before == nullptr) return replica_.move(poses);
   const Pose T_new_old =
-      compose(pose_of(newest->second), between(pose_of(before->T_site_submap), {}));
+      compose(pose_of(newest->second), from_to(pose_of(before->T_site_submap), {}));
   const Pose T_site_robot = compose(T_new_old, T_site_robot_);
   auto all = poses;
   put(T_site_robot);  // Closes the open submap if need be: then it is one of the later ones.
@@ -243,6 +285,7 @@ void Mapper::move_submaps(const std::vector<std::pair<std::uint32_t, SubmapPose>
     all.emplace_back(sequence, rounded(compose(T_new_old, pose_of(pose))));
   }
   replica_.move(all);
+  relocalization_.map_changed();
   localization_.carry(T_site_robot_);
   turn_submaps_over();
 }

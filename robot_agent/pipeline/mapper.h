@@ -11,6 +11,7 @@
 #include "proto/sync/evidence_sender.h"
 #include "robot_agent/pipeline/drift.h"
 #include "robot_agent/pipeline/mapper_config.h"
+#include "robot_agent/pipeline/relocalization.h"
 #include "robot_agent/pipeline/replica.h"
 #include "robot_agent/pipeline/site_localization.h"
 #include "robot_agent/pipeline/submap_writer.h"
@@ -78,6 +79,8 @@ class Mapper {
   void place_robot();
   void watch_incline(const Pose& before, MonotonicTime stamp);
   [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
+  /// Whether a laser still cuts the world where it did: level, and the robot in one plane.
+  [[nodiscard]] bool in_section(const LaserSpec& laser);
   void track(const Scan& scan, const LaserSpec& laser);
   void turn_submaps_over();
   [[nodiscard]] bool submap_full() const;
@@ -87,6 +90,8 @@ class Mapper {
   void age_submaps();
   void forget_far_tiles();
   void localize();
+  void become_lost();
+  void search_site();
   [[nodiscard]] SiteLocalization::Surroundings surroundings() const;
   void correct(const Pose& T_site_robot, const Eigen::Matrix4d& covariance);
   /// Moves the robot in the site without any motion.
@@ -100,9 +105,11 @@ class Mapper {
   Drift since_correction_;
   Drift since_submap_;
   Tracking tracking_;
+  std::optional<double> section_z_m_;  ///< Height at which the tracked surfaces were met.
   SubmapWriter writer_;
   Replica replica_;
   SiteLocalization localization_;
+  Relocalization relocalization_;
   std::vector<Mark> young_;  ///< Submaps that are not old yet, the open one last.
   bool chained_ = false;     ///< The next submap hangs on the last of `young_`.
   double submap_turned_rad_ = 0.0;

@@ -37,14 +37,24 @@ struct MapperConfig {
   /// the map that it was given.
   bool start_known = true;
   ContinuousConfig continuous;
-  /// Of level lasers in a plane world (LaserSpec::ground_along_beam): they meet upright surfaces.
+  /// A lost robot searches the whole map after so much way [m] and turning [rad], added up in
+  /// parts.
+  double search_every_m = 2.0;
+  double search_every_rad = 6.0;
   TrackingConfig tracking;
+  /// A level laser tracks the robot while that is less tilted than this [rad] and stays this near
+  /// to one height [m]: then it sees the same section of the world, be it walls or slopes.
+  double section_tilt_rad = 0.03;
+  double section_z_m = 0.10;
   /// [m] What the robot itself mapped counts as old, and worth being registered against, after this
   /// much more way: the newest map holds the very evidence that would be registered.
   double old_after_m = 20.0;
   /// [0 … 1] So much of what is known around the robot must be old for a registration to be tried:
   /// less is new ground.
   double old_share = 0.5;
+  /// [m] One sigma of its position in the site beyond which the robot asks its own old map. That
+  /// holds errors of its own, and to close loops is the pose graph's work.
+  double ask_own_sigma_m = 0.25;
   /// [bytes] Of the robot's own submaps that are kept to be moved; the oldest are then fixed.
   std::size_t kept_bytes = std::size_t{256} << 20;
 };

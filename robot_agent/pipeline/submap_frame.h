@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "core/map/submap.h"
 #include "core/pose/pose.h"
+#include "core/sensor/laser.h"
 
-/// Submap poses between integers and real numbers.
+/// Poses and beams between the frames of robot, submap and site; integers and real numbers.
 namespace cairn::agent {
 
 [[nodiscard]] inline std::int32_t to_mm(double m) {
@@ -32,13 +34,24 @@ namespace cairn::agent {
 }
 
 /// T_a_b⁻¹ · T_a_c.
-[[nodiscard]] inline Pose between(const Pose& T_a_b, const Pose& T_a_c) {
+[[nodiscard]] inline Pose from_to(const Pose& T_a_b, const Pose& T_a_c) {
   return from_transform(to_transform(T_a_b).inverse() * to_transform(T_a_c));
 }
 
 /// The same place and heading, upright.
 [[nodiscard]] inline Pose level(const Pose& pose) {
   return {.x_m = pose.x_m, .y_m = pose.y_m, .z_m = pose.z_m, .yaw_rad = pose.yaw_rad};
+}
+
+/// Far hits still tell that the way to them is free.
+[[nodiscard]] inline std::vector<Beam> shortened(std::vector<Beam> beams, double range_m) {
+  for (Beam& beam : beams) {
+    const Eigen::Vector3d along = beam.end_m - beam.origin_m;
+    if (!beam.hit || along.squaredNorm() <= range_m * range_m) continue;
+    beam.end_m = beam.origin_m + along.normalized() * range_m;
+    beam.hit = false;
+  }
+  return beams;
 }
 
 }  // namespace cairn::agent

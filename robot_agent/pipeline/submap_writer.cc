@@ -8,20 +8,6 @@
 
 namespace cairn::agent {
 
-namespace {
-
-/// Far hits still tell that the way to them is free.
-void shorten(std::vector<Beam>& beams, double range_m) {
-  for (Beam& beam : beams) {
-    const Eigen::Vector3d along = beam.end_m - beam.origin_m;
-    if (!beam.hit || along.squaredNorm() <= range_m * range_m) continue;
-    beam.end_m = beam.origin_m + along.normalized() * range_m;
-    beam.hit = false;
-  }
-}
-
-}  // namespace
-
 SubmapWriter::SubmapWriter(const MapperConfig& config, std::uint64_t boot,
                            proto::EvidenceSender& evidence)
     : config_(config),
@@ -84,8 +70,8 @@ Pose SubmapWriter::in_submap(const Pose& T_site_robot) const {
 void SubmapWriter::take_scan(const Scan& scan, const LaserSpec& laser, const Pose& T_site_robot,
                              double range_m) {
   const Pose T_submap_robot = in_submap(T_site_robot);
-  std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, range_m);
-  shorten(beams, range_m);
+  const std::vector<Beam> beams =
+      shortened(beams_in_site(scan, laser, T_submap_robot, range_m), range_m);
   std::optional<std::int32_t> ground_mm;
   if (laser.ground_along_beam) ground_mm = to_mm(T_submap_robot.z_m);
   integrate(beams, ground_mm);
