@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/localization/match_raster.h"
+#include "core/localization/raster_surroundings.h"
 
 namespace cairn {
 namespace {
