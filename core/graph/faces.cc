@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/localization/match_raster.h"
+#include "core/localization/raster_surroundings.h"
 
 namespace cairn {
 namespace {
@@ -28,6 +29,34 @@ std::vector<T> thinned(std::vector<T> all, std::size_t limit) {
   return some;
 }
 
+std::int32_t mean_height_mm(const HeightMap& surface) {
+  std::int64_t sum_mm = 0;
+  std::int64_t known = 0;
+  for (const auto& [key, tile] : surface.tiles()) {
+    for (int i = 0; i < Tile::kCells; ++i) {
+      if (!tile->known(i)) continue;
+      sum_mm += tile->height_mm(i);
+      ++known;
+    }
+  }
+  return known > 0 ? static_cast<std::int32_t>(sum_mm / known) : 0;
+}
+
+/// Cells that stand up from the ground around them, row by row.
+std::vector<Eigen::Vector2i> standing_cells(const MatchRaster& raster) {
+  constexpr int kStandsMm = 175;
+  const std::vector<std::int16_t> ground = ground_under(raster, {});
+  std::vector<Eigen::Vector2i> standing;
+  for (int y = 0; y < raster.height; ++y) {
+    for (int x = 0; x < raster.width; ++x) {
+      const bool stands =
+          raster.known(x, y) && raster.at(x, y) - ground[raster.index(x, y)] > kStandsMm;
+      if (stands) standing.emplace_back(x, y);
+    }
+  }
+  return standing;
+}
+
 /// The scores of all shifts at one turn.
 class Shifts {
  public:
@@ -48,7 +77,22 @@ class Shifts {
     }
   }
 
-  [[nodiscard]] int side() const { return side_; }
+  /// Shifts that agree better than their neighbours.
+  [[nodiscard]] std::vector<Eigen::Vector2i> peaks() const {
+    std::vector<Eigen::Vector2i> found;
+    for (int y = 0; y < side_; ++y) {
+      for (int x = 0; x < side_; ++x) {
+        const std::int32_t score = at(x, y);
+        const bool top = score > 0 && (x == 0 || at(x - 1, y) <= score) &&
+                         (x + 1 == side_ || at(x + 1, y) < score) &&
+                         (y == 0 || at(x, y - 1) <= score) &&
+                         (y + 1 == side_ || at(x, y + 1) < score);
+        if (top) found.emplace_back(x, y);
+      }
+    }
+    return found;
+  }
+
   [[nodiscard]] std::int32_t at(int x, int y) const {
     return sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
                  static_cast<std::size_t>(x)];
@@ -74,7 +118,6 @@ bool apart(const FacePlace& a, const FacePlace& b, const Eigen::Vector2d& pivot_
 
 Faces::Faces(const HeightMap& surface) : cell_m_(surface.cell_size_m()) {
   constexpr int kMaxSide = 2048;  // [cells] What is larger is no submap.
-  constexpr int kStandsMm = 175;
   const auto box = known_box(surface);
   if (!box || box->highest.x - box->lowest.x > kMaxSide ||
       box->highest.y - box->lowest.y > kMaxSide) {
@@ -83,45 +126,31 @@ Faces::Faces(const HeightMap& surface) : cell_m_(surface.cell_size_m()) {
   lowest_ = {box->lowest.x - kMargin, box->lowest.y - kMargin};
   width_ = box->highest.x - box->lowest.x + 1 + 2 * kMargin;
   height_ = box->highest.y - box->lowest.y + 1 + 2 * kMargin;
-  std::int64_t sum_mm = 0;
-  std::int64_t known = 0;
-  for (const auto& [key, tile] : surface.tiles()) {
-    for (int i = 0; i < Tile::kCells; ++i) {
-      if (!tile->known(i)) continue;
-      sum_mm += tile->height_mm(i);
-      ++known;
-    }
+  const MatchRaster raster =
+      make_raster(surface, lowest_, width_, height_, mean_height_mm(surface), kUnknownInLong);
+  field_.assign(raster.height_mm.size(), 0);
+  for (std::size_t i = 0; i < field_.size(); ++i) {
+    if (raster.height_mm[i] != raster.unknown) field_[i] = kFree;
   }
-  const MatchRaster raster = make_raster(surface, lowest_, width_, height_,
-                                         static_cast<std::int32_t>(sum_mm / known), kUnknownInLong);
-  const std::vector<std::int16_t> ground = ground_under(raster, {6, 16, 350});
-  field_.assign(ground.size(), 0);
-  std::vector<Eigen::Vector2i> standing;
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      const std::size_t i = raster.index(x, y);
-      if (!raster.known(x, y)) continue;
-      field_[i] = kFree;
-      if (raster.at(x, y) - ground[i] > kStandsMm) standing.emplace_back(x, y);
-    }
-  }
-  for (const Eigen::Vector2i& cell : standing) {
-    for (int v = -kMargin; v <= kMargin; ++v) {
-      for (int u = -kMargin; u <= kMargin; ++u) {
-        const int x = cell.x() + u;
-        const int y = cell.y() + v;
-        if (x < 0 || y < 0 || x >= width_ || y >= height_) continue;
-        const auto near = static_cast<std::int8_t>(kHit * std::exp(-0.5 * (u * u + v * v)));
-        std::int8_t& field = field_[raster.index(x, y)];
-        if (near >= kHit / 8) field = std::max(field, near);
-      }
-    }
-  }
-  for (const Eigen::Vector2i& cell : standing) {
+  for (const Eigen::Vector2i& cell : standing_cells(raster)) {
+    spread(cell);
     points_m_.emplace_back((lowest_.x + cell.x() + 0.5) * cell_m_,
                            (lowest_.y + cell.y() + 0.5) * cell_m_);
   }
   points_m_ = thinned(std::move(points_m_), kMaxPoints);
+}
+
+/// A face also speaks for the cells beside it: two submaps cut a wall into cells differently.
+void Faces::spread(const Eigen::Vector2i& cell) {
+  for (int v = -kMargin; v <= kMargin; ++v) {
+    for (int u = -kMargin; u <= kMargin; ++u) {
+      const auto near = static_cast<std::int8_t>(kHit * std::exp(-0.5 * (u * u + v * v)));
+      if (near < kHit / 8) continue;
+      const auto i = static_cast<std::size_t>(cell.y() + v) * static_cast<std::size_t>(width_) +
+                     static_cast<std::size_t>(cell.x() + u);
+      field_[i] = std::max(field_[i], near);
+    }
+  }
 }
 
 FaceAgreement agreement(const Faces& faces, const Faces& other, const LevelPose& T_other_faces) {
@@ -153,19 +182,11 @@ std::vector<FacePlace> lay_faces(const Faces& to, const Faces& from, const Level
     const Eigen::Vector2d origin = pivot_there - turned(pivot_m, yaw);
     shifts.clear();
     for (const Eigen::Vector2d& p : to.points_m()) shifts.add(from.at(turned(p, yaw) + origin));
-    for (int y = 0; y < shifts.side(); ++y) {
-      for (int x = 0; x < shifts.side(); ++x) {
-        const std::int32_t score = shifts.at(x, y);
-        if (score <= 0) continue;
-        const bool top = (x == 0 || shifts.at(x - 1, y) <= score) &&
-                         (x + 1 == shifts.side() || shifts.at(x + 1, y) < score) &&
-                         (y == 0 || shifts.at(x, y - 1) <= score) &&
-                         (y + 1 == shifts.side() || shifts.at(x, y + 1) < score);
-        if (!top) continue;
-        peaks.push_back({{origin.x() + (x - reach) * cell_m, origin.y() + (y - reach) * cell_m,
-                          T_from_to.z_m, yaw},
-                         score});
-      }
+    for (const Eigen::Vector2i& shift : shifts.peaks()) {
+      const Eigen::Vector2d there =
+          origin + (shift - Eigen::Vector2i::Constant(reach)).cast<double>() * cell_m;
+      peaks.push_back(
+          {{there.x(), there.y(), T_from_to.z_m, yaw}, shifts.at(shift.x(), shift.y())});
     }
   }
   std::stable_sort(peaks.begin(), peaks.end(),

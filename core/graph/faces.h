@@ -47,6 +47,8 @@ class Faces {
   static constexpr std::size_t kMaxPoints = 800;
 
  private:
+  void spread(const Eigen::Vector2i& cell);
+
   double cell_m_ = 1.0;
   CellIndex lowest_;
   int width_ = 0;

@@ -83,9 +83,15 @@ bool ContinuousLocalization::mature() const {
 std::optional<Registration> ContinuousLocalization::localize(const HeightMap& long_term,
                                                              const Eigen::Matrix4d& covariance) {
   if (!mature()) return std::nullopt;
-  Registration answer = register_oldest(long_term, covariance);
+  const ShortTermMap map = std::move(maps_.front());
   maps_.pop_front();
-  judge(answer, covariance);
+  Registration answer = register_map_of(map, long_term, covariance);
+  judge(map, answer);
+  if (!answer.accepted) {
+    answer.T_site_submap = map.T_site_submap;
+    answer.T_site_robot = T_site_robot_;
+    answer.covariance = covariance;
+  }
   if (answer.accepted) {
     apply(answer);
   } else {
@@ -94,9 +100,9 @@ std::optional<Registration> ContinuousLocalization::localize(const HeightMap& lo
   return answer;
 }
 
-Registration ContinuousLocalization::register_oldest(const HeightMap& long_term,
+Registration ContinuousLocalization::register_map_of(const ShortTermMap& map,
+                                                     const HeightMap& long_term,
                                                      const Eigen::Matrix4d& covariance) const {
-  const ShortTermMap& map = maps_.front();
   RegistrationPrior prior;
   prior.T_site_submap = map.T_site_submap;
   prior.T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot_);
@@ -109,28 +115,38 @@ Registration ContinuousLocalization::register_oldest(const HeightMap& long_term,
   return register_map(map.surface, prior, long_term, config);
 }
 
-/// What is far from expected must be seen twice, and so must everything when the robot is lost.
-void ContinuousLocalization::judge(Registration& answer, const Eigen::Matrix4d& covariance) {
+/// What is far from expected must be seen twice, and so must everything when the robot is lost:
+/// then by maps without a common scan, or one map's fault would confirm itself.
+void ContinuousLocalization::judge(const ShortTermMap& map, Registration& answer) {
   if (!answer.accepted || config_.registration.mode == RegistrationMode::thesis) return;
-  const bool expected = !answer.wide && answer.innovation <= config_.confirm_innovation &&
-                        state_ != LocalizationState::lost;
-  if (expected || confirmed(answer)) return;
+  const bool lost = state_ == LocalizationState::lost;
+  if (!lost && !answer.wide && answer.innovation <= config_.confirm_innovation) return;
+  answer.accepted = false;
+  if (lost && !answer.position_observable) {
+    answer.why = "lost, and x and y are not observable here";
+    return;
+  }
+  const bool must_be_independent = lost || answer.wide;
+  const bool independent = pending_ && map.begun_at >= pending_->seen_until;
+  answer.why = "waits for another map to confirm it";
+  if (pending_ && must_be_independent && !independent) return;
+  answer.accepted = pending_ && agrees(*pending_, answer);
+  if (answer.accepted) {
+    answer.why = "confirmed by another map";
+    return;
+  }
   pending_ = Pending{
       to_transform(level(answer.T_site_robot)) * to_transform(level(T_site_robot_)).inverse(),
-      answer.covariance};
-  answer.accepted = false;
-  answer.covariance = covariance;
-  answer.why = "waits for the next map to confirm it";
+      answer.covariance, progress_};
 }
 
-bool ContinuousLocalization::confirmed(const Registration& answer) const {
-  if (!pending_) return false;
-  const Pose before = carried(pending_->T_corrected_site, level(T_site_robot_));
+bool ContinuousLocalization::agrees(const Pending& pending, const Registration& answer) const {
+  const Pose before = carried(pending.T_corrected_site, level(T_site_robot_));
   const Pose& now = answer.T_site_robot;
   Eigen::Vector4d apart;
   apart << now.x_m - before.x_m, now.y_m - before.y_m, now.z_m - before.z_m,
       wrap_angle(now.yaw_rad - before.yaw_rad);
-  Eigen::Matrix4d covariance = pending_->covariance + answer.covariance;
+  Eigen::Matrix4d covariance = pending.covariance + answer.covariance;
   covariance.diagonal() += Eigen::Vector4d(4e-4, 4e-4, 4e-4, 1e-4);
   return apart.dot(covariance.ldlt().solve(apart)) <= config_.agreement;
 }

@@ -27,9 +27,11 @@ struct ContinuousConfig {
   double mature_turn_rad = 0.8;
   int overlapping_maps = 4;       ///< [Limit: 1 … 16] So many grow at a time.
   double mapping_range_m = 15.0;  ///< [m] Beams count this far.
-  int refusals_until_lost = 4;    ///< In a row.
+  /// In a row. Maps that overlap share scans and are refused together: three lives of four maps.
+  int refusals_until_lost = 12;
   /// [-] A correction whose innovation is larger waits until the next map confirms it
-  /// (squared Mahalanobis distance; 4 degrees of freedom: 5 % are beyond 9.5).
+  /// (squared Mahalanobis distance; 4 degrees of freedom: 5 % are beyond 9.5). What only the wide
+  /// search found, and whatever a lost robot finds, waits for a map that shares no scan with it.
   double confirm_innovation = 9.5;
   /// [-] Two corrections agree when they differ by less (0.1 % are beyond).
   double agreement = 18.5;
@@ -38,7 +40,8 @@ struct ContinuousConfig {
 enum class LocalizationState : std::uint8_t {
   localized,  ///< The newest map was registered, or none is mature yet.
   unsure,     ///< The newest were refused, or wait for one that confirms them.
-  lost,       ///< Refused many times in a row: the pose is a guess.
+  lost,       ///< Refused many times in a row: the pose is a guess. Two maps without a common
+              ///< scan that agree where they are end it.
 };
 
 /// Continuous localization (T2.2.3, Fig. 5; T4.3.3): several overlapping short-term maps, each
@@ -84,13 +87,14 @@ class ContinuousLocalization {
   struct Pending {
     Eigen::Isometry3d T_corrected_site;  ///< From where the robot believes it is.
     Eigen::Matrix4d covariance;
+    double seen_until = 0.0;  ///< In `progress_`: maps begun later share no scan with it.
   };
 
   void begin_map();
-  [[nodiscard]] Registration register_oldest(const HeightMap& long_term,
+  [[nodiscard]] Registration register_map_of(const ShortTermMap& map, const HeightMap& long_term,
                                              const Eigen::Matrix4d& covariance) const;
-  void judge(Registration& answer, const Eigen::Matrix4d& covariance);
-  [[nodiscard]] bool confirmed(const Registration& answer) const;
+  void judge(const ShortTermMap& map, Registration& answer);
+  [[nodiscard]] bool agrees(const Pending& pending, const Registration& answer) const;
   void refuse();
   void apply(const Registration& answer);
 

@@ -47,26 +47,4 @@ struct CellBox {
 [[nodiscard]] MatchRaster make_raster(const HeightMap& map, CellIndex lowest, int width, int height,
                                       std::int32_t datum_mm, std::int16_t unknown);
 
-/// How the ground under what stands on it is found.
-struct GroundSearch {
-  int near_cells = 6;  ///< The lowest known height so near is the ground,
-  int far_cells = 16;  ///< unless there is one within this that is lower by
-  int rise_mm = 350;   ///< more than ground rises on the way: then that one.
-};
-
-/// The ground under each cell; unknown where nothing near is known.
-[[nodiscard]] std::vector<std::int16_t> ground_under(const MatchRaster& raster,
-                                                     const GroundSearch& search);
-
-/// Lowers every height to at most `face_mm` above `ground` (as from ground_under). A laser meets a
-/// wall at whatever height its beam comes in, so how far up a face was seen tells nothing of where
-/// the face is.
-void clip_faces(MatchRaster& raster, const std::vector<std::int16_t>& ground, int face_mm);
-
-/// Nothing is known behind a face that was only seen from in front, and what is unknown does not
-/// speak against a match: so faces would slide into the unknown behind them. Here a thin line of
-/// cells that stand more than half of `face_mm` above the ground becomes a ridge: unknown cells
-/// near it take the height of the ground.
-void make_ridges(MatchRaster& raster, const std::vector<std::int16_t>& ground, int face_mm);
-
 }  // namespace cairn

@@ -65,13 +65,6 @@ MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& 
   const auto known = static_cast<double>(short_term.known_count());
   problem.min_overlap = static_cast<std::uint32_t>(
       std::max(config.min_overlap * known, static_cast<double>(config.min_overlap_cells)));
-  if (config.mode == RegistrationMode::cairn) {
-    const GroundSearch search = ground_search(long_term, config);
-    clip_faces(problem.short_term, ground_under(problem.short_term, search), config.face_mm);
-    const std::vector<std::int16_t> ground = ground_under(problem.long_term, search);
-    clip_faces(problem.long_term, ground, config.face_mm);
-    make_ridges(problem.long_term, ground, config.face_mm);
-  }
   return problem;
 }
 
@@ -92,17 +85,18 @@ int median_offset_mm(const MatchProblem& problem, const Candidate& candidate) {
   return *middle;
 }
 
-std::vector<ShortTermCell> short_term_cells(const HeightMap& short_term,
+std::vector<ShortTermCell> short_term_cells(const MatchRaster& short_term, double cell_m,
                                             const RegistrationPrior& prior) {
+  const std::vector<std::int16_t> top = highest_around(short_term);
+  const double above_foot_mm = short_term.datum_mm - prior.T_submap_robot.z_m * 1000.0;
   std::vector<ShortTermCell> cells;
-  for (const auto& [key, tile] : short_term.tiles()) {
-    if (key.level != 0) continue;
-    for (int i = 0; i < Tile::kCells; ++i) {
-      if (!tile->known(i)) continue;
-      const Eigen::Vector2d middle(short_term.centre_m(key.tx * Tile::kSize + i % Tile::kSize),
-                                   short_term.centre_m(key.ty * Tile::kSize + i / Tile::kSize));
-      cells.push_back({middle - robot_in_submap(prior),
-                       tile->height_mm(i) - prior.T_submap_robot.z_m * 1000.0});
+  for (int y = 0; y < short_term.height; ++y) {
+    for (int x = 0; x < short_term.width; ++x) {
+      if (!short_term.known(x, y)) continue;
+      const Eigen::Vector2d middle(short_term.lowest.x + x + 0.5, short_term.lowest.y + y + 0.5);
+      cells.push_back({middle * cell_m - robot_in_submap(prior),
+                       short_term.at(x, y) + above_foot_mm,
+                       top[short_term.index(x, y)] + above_foot_mm});
     }
   }
   return cells;
@@ -132,9 +126,10 @@ Pose robot_pose(const RegistrationPrior& prior, const Pose& T_site_submap) {
   return from_transform(to_transform(level) * to_transform(prior.T_submap_robot));
 }
 
-GroundSearch ground_search(const HeightMap& map, const RegistrationConfig& config) {
-  const auto cells = [&](double m) { return static_cast<int>(std::lround(m / map.cell_size_m())); };
-  return {cells(config.ground_reach_m), cells(config.far_ground_reach_m), config.ground_rise_mm};
+FaceSearch face_search(double cell_m, const RegistrationConfig& config) {
+  const auto cells = [&](double m) { return static_cast<int>(std::lround(m / cell_m)); };
+  return {cells(config.ground_reach_m), cells(config.far_ground_reach_m), config.ground_rise_mm,
+          config.face_mm};
 }
 
 }  // namespace cairn

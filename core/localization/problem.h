@@ -18,8 +18,9 @@ namespace cairn {
 /// without overlap.
 [[nodiscard]] int median_offset_mm(const MatchProblem& problem, const Candidate& candidate);
 
-/// The known cells as refinement wants them.
-[[nodiscard]] std::vector<ShortTermCell> short_term_cells(const HeightMap& short_term,
+/// The known cells as refinement wants them. `lowest` and `datum_mm` of the raster are the map's.
+[[nodiscard]] std::vector<ShortTermCell> short_term_cells(const MatchRaster& short_term,
+                                                          double cell_m,
                                                           const RegistrationPrior& prior);
 
 /// The robot's place by the prior, and back to poses.
@@ -28,6 +29,6 @@ namespace cairn {
 [[nodiscard]] Pose robot_pose(const RegistrationPrior& prior, const Pose& T_site_submap);
 
 /// In cells of the map.
-[[nodiscard]] GroundSearch ground_search(const HeightMap& map, const RegistrationConfig& config);
+[[nodiscard]] FaceSearch face_search(double cell_m, const RegistrationConfig& config);
 
 }  // namespace cairn

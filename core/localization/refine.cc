@@ -16,7 +16,6 @@ namespace {
 struct Surface {
   double height_mm;
   double per_x, per_y;  ///< [mm/m]
-  double relief_mm;
 };
 
 /// The smallest and largest known height of the 4 × 4 cells around the square (x, y) … (x+1, y+1).
@@ -36,6 +35,10 @@ double relief_mm(const MatchRaster& map, int x, int y) {
 /// The heights at the corners of a square of four neighbouring cells.
 struct Corners {
   double h00, h10, h01, h11;
+
+  void clip(double limit_mm) {
+    for (double* h : {&h00, &h10, &h01, &h11}) *h = std::min(*h, limit_mm);
+  }
 };
 
 std::optional<Corners> corners_at(const LongTermRelief& relief, int x, int y) {
@@ -49,19 +52,12 @@ std::optional<Corners> corners_at(const LongTermRelief& relief, int x, int y) {
   return std::nullopt;
 }
 
-std::optional<Surface> surface_at(const LongTermRelief& relief, double x_cells, double y_cells) {
-  const int x = static_cast<int>(std::floor(x_cells));
-  const int y = static_cast<int>(std::floor(y_cells));
-  const auto corners = corners_at(relief, x, y);
-  if (!corners) return std::nullopt;
-  const double u = x_cells - x;
-  const double v = y_cells - y;
-  const double h00 = corners->h00;
-  const double h10 = corners->h10 - h00;
-  const double h01 = corners->h01 - h00;
-  const double h11 = corners->h11 - h00 - h10 - h01;
-  return Surface{h00 + h10 * u + h01 * v + h11 * u * v, (h10 + h11 * v) / relief.cell_m,
-                 (h01 + h11 * u) / relief.cell_m, relief_mm(relief.heights, x, y)};
+Surface surface_between(const Corners& c, double u, double v, double cell_m) {
+  const double h10 = c.h10 - c.h00;
+  const double h01 = c.h01 - c.h00;
+  const double h11 = c.h11 - c.h00 - h10 - h01;
+  return {c.h00 + h10 * u + h01 * v + h11 * u * v, (h10 + h11 * v) / cell_m,
+          (h01 + h11 * u) / cell_m};
 }
 
 /// The normal equations at one place, and how well it fits there.
@@ -70,6 +66,7 @@ struct Normal {
   Eigen::Vector4d b = Eigen::Vector4d::Zero();
   std::size_t overlap = 0;
   std::size_t inliers = 0;
+  double misfit = 0.0;
   double weights = 0.0;  ///< In units of 1/σ²: how many cells count.
   double squares = 0.0;  ///< Weighted (residual / σ)².
   double weights_mm = 0.0;
@@ -90,39 +87,45 @@ class NormalEquations {
     const double y = sin_ * cell.from_robot_m.x() + cos_ * cell.from_robot_m.y();
     const double x_cells = (place_[0] + x) / map_.cell_m - map_.heights.lowest.x - 0.5;
     const double y_cells = (place_[1] + y) / map_.cell_m - map_.heights.lowest.y - 0.5;
-    const auto surface = surface_at(map_, x_cells, y_cells);
-    if (!surface) return;
-    const double height_mm =
-        clipped(cell.height_mm + place_[2] * 1000.0 - map_.heights.datum_mm, x_cells, y_cells);
-    Eigen::Vector4d J(0.0, 0.0, -1000.0, 0.0);
-    if (surface->relief_mm >= config_.noise_relief_mm) {
-      J[0] = surface->per_x;
-      J[1] = surface->per_y;
-      J[3] = surface->per_y * x - surface->per_x * y;
+    const int column = static_cast<int>(std::floor(x_cells));
+    const int row = static_cast<int>(std::floor(y_cells));
+    auto corners = corners_at(map_, column, row);
+    if (!corners) return;
+    const double foot_mm = place_[2] * 1000.0 - map_.heights.datum_mm;
+    double height_mm = foot_mm + cell.height_mm;
+    double height_range_mm = relief_mm(map_.heights, column, row);
+    double share = config_.relief_share;
+    const int nearest_x = static_cast<int>(std::floor(x_cells + 0.5));
+    const int nearest_y = static_cast<int>(std::floor(y_cells + 0.5));
+    const std::size_t nearest = map_.heights.index(nearest_x, nearest_y);
+    if (map_.face[nearest] != 0) {
+      const double limit_mm = map_.limit_mm(nearest_x, nearest_y, foot_mm + cell.top_mm);
+      corners->clip(limit_mm);
+      height_mm = std::min(height_mm, limit_mm);
+      height_range_mm = std::min(height_range_mm, limit_mm - map_.ground[nearest]);
+      share = config_.side_face_relief_share;
     }
-    add(J, surface->height_mm - height_mm, surface->relief_mm);
+    const Surface surface = surface_between(*corners, x_cells - column, y_cells - row, map_.cell_m);
+    Eigen::Vector4d J(0.0, 0.0, -1000.0, 0.0);
+    if (height_range_mm >= config_.noise_relief_mm) {
+      J[0] = surface.per_x;
+      J[1] = surface.per_y;
+      J[3] = surface.per_y * x - surface.per_x * y;
+    }
+    add(J, surface.height_mm - height_mm, share * height_range_mm);
   }
 
   [[nodiscard]] const Normal& result() const { return normal_; }
 
  private:
-  [[nodiscard]] double clipped(double height_mm, double x_cells, double y_cells) const {
-    if (map_.ground.empty()) return height_mm;
-    const int x = static_cast<int>(std::floor(x_cells + 0.5));
-    const int y = static_cast<int>(std::floor(y_cells + 0.5));
-    const double ground_mm = map_.ground[map_.heights.index(x, y)];
-    return std::min(height_mm, ground_mm + map_.face_mm);
-  }
-
-  void add(const Eigen::Vector4d& J, double residual_mm, double relief_mm) {
-    constexpr double kFarSigmas2 = 6.0;  // From about here on a difference counts less and less.
-    const double edge_mm = config_.relief_share * relief_mm;
+  void add(const Eigen::Vector4d& J, double residual_mm, double edge_mm) {
     const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + edge_mm * edge_mm;
     const double squared = residual_mm * residual_mm / variance;
-    const double fit = 1.0 / (1.0 + squared / kFarSigmas2);
+    const double fit = 1.0 / (1.0 + squared / kMostMisfit);
     const double weight = fit * fit / variance;
     normal_.H.noalias() += weight * J * J.transpose();
     normal_.b.noalias() -= weight * residual_mm * J;
+    normal_.misfit += squared * fit;
     ++normal_.overlap;
     normal_.inliers += squared < 9.0 ? 1 : 0;
     normal_.weights += fit * fit;
@@ -225,6 +228,8 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   result.covariance = (result.information + prior_information).inverse();
   result.overlap = normal.overlap;
   result.inliers = static_cast<double>(normal.inliers) / static_cast<double>(normal.overlap);
+  result.misfit = normal.misfit / static_cast<double>(normal.overlap);
+  result.opinions = static_cast<double>(normal.overlap) / config.cells_per_opinion;
   result.residual_mm = std::sqrt(normal.squares_mm / normal.weights_mm);
   return result;
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/localization/match_raster.h"
+#include "core/localization/long_term_relief.h"
 
 namespace cairn {
 
@@ -14,14 +14,7 @@ namespace cairn {
 struct ShortTermCell {
   Eigen::Vector2d from_robot_m;  ///< Its middle, along the short-term map's axes.
   double height_mm = 0.0;        ///< Above the robot's foot.
-};
-
-/// The long-term map around the robot with what refinement asks of it.
-struct LongTermRelief {
-  MatchRaster heights;
-  std::vector<std::int16_t> ground;  ///< As from ground_under; empty: faces are not clipped.
-  int face_mm = 0;                   ///< As in clip_faces.
-  double cell_m = 0.0;
+  double top_mm = 0.0;           ///< The highest near it, see highest_around.
 };
 
 struct RefineConfig {
@@ -29,6 +22,8 @@ struct RefineConfig {
   double flat_sigma_mm = 20.0;
   /// [-] What of the heights around a cell adds to its spread: cells cover edges differently.
   double relief_share = 0.3;
+  /// [-] Of faces seen from the side the map tells which cells they cross, not where in them.
+  double side_face_relief_share = 0.6;
   /// [mm] Relief below this is noise and tells nothing of x, y and yaw.
   double noise_relief_mm = 40.0;
   /// [-] Neighbouring cells err together: this many count as one.
@@ -37,6 +32,9 @@ struct RefineConfig {
   double blind_sigma_m = 0.05;
   int max_iterations = 30;
 };
+
+/// [-] No single cell's squared difference counts more (Geman-McClure).
+inline constexpr double kMostMisfit = 6.0;
 
 /// Where the robot is believed to be: x, y, z [m] and the short-term map's yaw [rad].
 using RobotPlace = Eigen::Vector4d;
@@ -48,6 +46,11 @@ struct Refinement {
   std::size_t overlap = 0;                                ///< Cells known in both.
   double inliers = 0.0;      ///< [0 … 1] Share of the overlap that agrees within 3 σ.
   double residual_mm = 0.0;  ///< Weighted root mean square of the height differences.
+  /// [-] Mean over the overlap of (difference / σ)², each truncated softly at kMostMisfit: near 1
+  /// where the maps show the same ground.
+  double misfit = 0.0;
+  /// [-] Independent opinions in the overlap.
+  double opinions = 0.0;
 };
 
 /// Gauss-Newton over x, y, z and yaw from `start`: height differences between the short-term cells

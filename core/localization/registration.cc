@@ -1,6 +1,7 @@
 #include "core/localization/registration.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
@@ -20,15 +21,24 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Basins that are looked at when the best is not alone.
 constexpr std::size_t kMaxBasins = 32;
+/// Of these so many are refined.
+constexpr std::size_t kMostRefined = 6;
 /// Candidates this near to each other are one place.
 constexpr int kBasinCells = 3;
 constexpr double kBasinRad = 0.05;
+
+bool is_covariance(const Eigen::Matrix4d& matrix) {
+  constexpr double kRounding = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(matrix, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().minCoeff() >= -kRounding;
+}
 
 std::string unusable(const HeightMap& short_term, const RegistrationPrior& prior) {
   if (!is_finite(prior.T_site_submap) || !is_finite(prior.T_submap_robot) ||
       !prior.covariance.allFinite()) {
     return "the prior is not finite";
   }
+  if (!is_covariance(prior.covariance)) return "the prior's covariance is none";
   const double far_m =
       std::max({std::abs(prior.T_site_submap.x_m), std::abs(prior.T_site_submap.y_m),
                 std::abs(prior.T_site_submap.z_m)});
@@ -54,9 +64,20 @@ Eigen::Matrix4d floored(const Eigen::Matrix4d& covariance, const RegistrationCon
          Eigen::Matrix4d(floor.cwiseProduct(floor).asDiagonal());
 }
 
-/// What is left of a difference between places when either may be off by a step of the search.
-RobotPlace beyond(const RobotPlace& d, const RobotPlace& step) {
-  return d.array().sign().matrix().cwiseProduct((d.cwiseAbs() - step).cwiseMax(0.0));
+RobotPlace difference(const RobotPlace& a, const RobotPlace& b) {
+  RobotPlace d = a - b;
+  d[3] = wrap_angle(d[3]);
+  return d;
+}
+
+Registration refused(const RegistrationPrior& prior, const std::string& why) {
+  Registration answer;
+  answer.T_site_submap = prior.T_site_submap;
+  answer.T_site_robot = robot_pose(prior, prior.T_site_submap);
+  answer.best_cell = prior.T_site_submap;
+  answer.covariance = prior.covariance;
+  answer.why = why;
+  return answer;
 }
 
 /// One registration's way from problem to answer.
@@ -161,12 +182,15 @@ class Registering {
     }
   }
 
-  /// Matches that are as good as the best, as far as the match can tell.
+  /// Places that are as good as the best, as far as whole cells can tell.
   [[nodiscard]] std::vector<Candidate> rivals(const std::vector<Candidate>& places) const {
     const double limit_mm = places.front().score_mm() / (1.0 - config_.min_distinctness);
     std::vector<Candidate> equals;
     for (const Candidate& place : places) {
-      if (place.score_mm() <= limit_mm) equals.push_back(place);
+      const bool taken = std::any_of(equals.begin(), equals.end(),
+                                     [&](const Candidate& c) { return same_basin(c, place); });
+      if (!taken && place.score_mm() <= limit_mm) equals.push_back(place);
+      if (equals.size() == kMostRefined) break;
     }
     return equals;
   }
@@ -191,19 +215,12 @@ class Registering {
     answer.wide = wide;
     note_scores(places, answer);
     answer.best_cell = submap_pose(prior_, place_of(places.front()));
-    const std::vector<Candidate> equals = rivals(places);
-    const Candidate start = *std::min_element(
-        equals.begin(), equals.end(), [&](const Candidate& a, const Candidate& b) {
-          return distance2(place_of(a)) < distance2(place_of(b));
-        });
-    // A wide search begins where the prior is not trusted any more.
-    const Eigen::Matrix4d prior_information =
-        (wide ? Eigen::Matrix4d(prior_covariance_ + window_covariance()) : prior_covariance_)
-            .inverse();
-    const LongTermRelief relief = relief_around();
-    const auto match = refine(short_term_cells(short_term_, prior_), relief, prior_place(),
-                              prior_information, place_of(start), config_.refine);
-    if (!match) return refused("the maps do not overlap where they match best");
+    const std::vector<Refined> found = refined(rivals(places), wide);
+    if (found.empty()) return refused("the maps do not overlap where they match best");
+    const Candidate start = found.front().start;
+    const Refinement* match = &found.front().match;
+    answer.misfit = match->misfit;
+    answer.margin = found.size() > 1 ? found[1].chi2 - found.front().chi2 : kInfinity;
     answer.information = match->information;
     answer.covariance = match->covariance;
     answer.overlap = overlap_share(match->overlap);
@@ -211,7 +228,7 @@ class Registering {
     answer.residual_mm = match->residual_mm;
     answer.innovation = innovation(*match);
     answer.position_observable = observable(*match);
-    answer.why = objection(answer, *match, equals, start);
+    answer.why = objection(answer, *match, start);
     answer.accepted = answer.why.empty();
     if (answer.accepted) {
       move_to(match->place, answer);
@@ -222,17 +239,67 @@ class Registering {
     return answer;
   }
 
+  /// A place after refinement, and how unlikely it is.
+  struct Refined {
+    Candidate start;
+    Refinement match;
+    double chi2 = 0.0;
+  };
+
+  /// The most likely one first; what ran into the same place counts once.
+  [[nodiscard]] std::vector<Refined> refined(const std::vector<Candidate>& starts,
+                                             bool wide) const {
+    // A wide search begins where the prior is not trusted any more.
+    const Eigen::Matrix4d information =
+        (wide ? Eigen::Matrix4d(prior_covariance_ + window_covariance()) : prior_covariance_)
+            .inverse();
+    const double cell_m = long_term_.cell_size_m();
+    const LongTermRelief relief =
+        make_relief(problem_.long_term, face_search(cell_m, config_), cell_m);
+    const std::vector<ShortTermCell> cells = short_term_cells(problem_.short_term, cell_m, prior_);
+    std::vector<Refined> found;
+    for (const Candidate& start : starts) {
+      const auto match =
+          refine(cells, relief, prior_place(), information, place_of(start), config_.refine);
+      if (!match) continue;
+      found.push_back({start, *match});
+    }
+    // Compared over equally many cells: to overlap less is no merit.
+    double opinions = kInfinity;
+    for (const Refined& place : found) opinions = std::min(opinions, place.match.opinions);
+    for (Refined& place : found) {
+      const RobotPlace off = difference(place.match.place, prior_place());
+      place.chi2 = place.match.misfit * opinions + off.dot(information * off);
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Refined& a, const Refined& b) { return a.chi2 < b.chi2; });
+    if (found.size() > 1) {
+      const RobotPlace best = found.front().match.place;
+      found.erase(
+          std::remove_if(found.begin() + 1, found.end(),
+                         [&](const Refined& other) { return same_place(best, other.match.place); }),
+          found.end());
+    }
+    return found;
+  }
+
+  [[nodiscard]] bool same_place(const RobotPlace& a, const RobotPlace& b) const {
+    const RobotPlace d = difference(a, b);
+    return d.head<2>().norm() < long_term_.cell_size_m() &&
+           std::abs(d[3]) < 2.0 * problem_.yaw_step_rad;
+  }
+
   [[nodiscard]] std::string objection(const Registration& answer, const Refinement& match,
-                                      const std::vector<Candidate>& equals,
                                       const Candidate& start) const {
     if (answer.overlap < config_.min_overlap ||
         match.overlap < static_cast<std::size_t>(config_.min_overlap_cells)) {
       return "too little overlap";
     }
-    if (answer.inliers < config_.min_inliers || answer.residual_mm > config_.max_residual_mm) {
+    if (answer.inliers < config_.min_inliers || answer.residual_mm > config_.max_residual_mm ||
+        answer.misfit > config_.max_misfit) {
       return "the heights do not agree";
     }
-    if (contested(match, equals, start)) return "another place matches as well";
+    if (answer.margin < config_.min_margin) return "another place matches as well";
     if (!answer.wide && answer.innovation > config_.max_innovation) {
       return "too far from where the robot can be";
     }
@@ -250,27 +317,6 @@ class Registering {
     if (answer.innovation > config_.max_wide_innovation)
       return "too far from where the robot can be";
     return {};
-  }
-
-  /// Another place matches as well, the prior does not speak against it, and yet the match claims
-  /// to tell the two apart: so its claim cannot be believed.
-  [[nodiscard]] bool contested(const Refinement& match, const std::vector<Candidate>& equals,
-                               const Candidate& start) const {
-    constexpr double kSure = 25.0;    // Five sigmas.
-    constexpr double kAgainst = 9.0;  // Three sigmas.
-    for (const Candidate& other : equals) {
-      if (same_basin(start, other)) continue;
-      RobotPlace d = place_of(other) - match.place;
-      d[3] = wrap_angle(d[3]);
-      const double cell_m = long_term_.cell_size_m();
-      d = beyond(d, {cell_m, cell_m, 0.0, problem_.yaw_step_rad});
-      d[2] = 0.0;  // The other place's z is the one that suits it best.
-      const double z_information = match.information(2, 2);
-      if (z_information > 0.0) d[2] = -match.information.row(2).dot(d) / z_information;
-      const bool told_apart = d.dot(match.information * d) > kSure;
-      if (told_apart && distance2(place_of(other)) < distance2(match.place) + kAgainst) return true;
-    }
-    return false;
   }
 
   /// How far match and prior disagree, in the directions that the match shows.
@@ -293,12 +339,6 @@ class Registering {
     return Eigen::Matrix4d(sigma.cwiseProduct(sigma).asDiagonal());
   }
 
-  [[nodiscard]] LongTermRelief relief_around() const {
-    LongTermRelief relief{problem_.long_term, {}, config_.face_mm, long_term_.cell_size_m()};
-    relief.ground = ground_under(relief.heights, ground_search(long_term_, config_));
-    return relief;
-  }
-
   [[nodiscard]] double overlap_share(std::size_t cells) const {
     return static_cast<double>(cells) / static_cast<double>(short_term_.known_count());
   }
@@ -309,13 +349,7 @@ class Registering {
   }
 
   [[nodiscard]] Registration refused(const std::string& why) const {
-    Registration answer;
-    answer.T_site_submap = prior_.T_site_submap;
-    answer.T_site_robot = robot_pose(prior_, prior_.T_site_submap);
-    answer.best_cell = prior_.T_site_submap;
-    answer.covariance = prior_.covariance;
-    answer.why = why;
-    return answer;
+    return cairn::refused(prior_, why);
   }
 
   const HeightMap& short_term_;
@@ -333,12 +367,9 @@ class Registering {
 Registration register_map(const HeightMap& short_term, const RegistrationPrior& prior,
                           const HeightMap& long_term, const RegistrationConfig& config) {
   assert(short_term.cell_size_mm() == long_term.cell_size_mm());
-  Registration answer;
-  answer.why = unusable(short_term, prior);
-  answer.T_site_submap = prior.T_site_submap;
-  if (!answer.why.empty()) return answer;
+  if (std::string why = unusable(short_term, prior); !why.empty()) return refused(prior, why);
   Registering registering(short_term, prior, long_term, config);
-  answer = registering.narrow();
+  Registration answer = registering.narrow();
   if (answer.accepted || !config.widen || config.mode == RegistrationMode::thesis) return answer;
   Registration wide = registering.wide();
   if (!wide.accepted) wide.why = answer.why + "; in the wide window: " + wide.why;

@@ -26,7 +26,7 @@ struct RegistrationConfig {
   double z_window_m = 1.5;
   /// [-] Normalised score from which a match is a good one (thesis).
   double good_match = 0.7;
-  /// [mm] How far up a face is looked at (cairn), see clip_faces.
+  /// [mm] So far up a face is looked at in any case (cairn), see LongTermRelief.
   int face_mm = 350;
   /// [m] The ground that a face stands on is looked for this far around it.
   double ground_reach_m = 0.75;
@@ -40,17 +40,21 @@ struct RegistrationConfig {
   int min_overlap_cells = 150;    ///< And so many at least.
   double min_inliers = 0.75;      ///< [-] Of the overlap, agreeing within 3 σ.
   double max_residual_mm = 60.0;  ///< [mm]
-  /// [-] The second-best basin's score must be this much worse, in parts of its own, to tell the
-  /// two apart by the match alone.
+  double max_misfit = 1.4;        ///< [-] See Refinement.
+  /// [-] Basins whose score is worse than the best one's by less than this, in parts of their own,
+  /// are refined as well: what they are worth shows only then.
   double min_distinctness = 0.12;
+  /// [-] By so much χ² (prior included) every other place must be less likely than the best: 25 is
+  /// five sigmas.
+  double min_margin = 25.0;
   /// [-] Squared Mahalanobis distance from the prior (4 degrees of freedom: 0.1 % are beyond 18.5).
   double max_innovation = 18.5;
   /// [-] The same for what only the wide search finds: ten sigmas. A robot that knows that it is
   /// lost puts it to infinity.
   double max_wide_innovation = 100.0;
-  double min_wide_distinctness = 0.25;  ///< [-] Nothing but the match speaks for it.
-  double prior_floor_m = 0.03;          ///< [m] A prior is never surer than this, in x, y and z,
-  double prior_floor_rad = 0.0087;      ///< [rad] and yaw.
+  double min_wide_distinctness = 0.1;  ///< [-] Nothing but the match speaks for it.
+  double prior_floor_m = 0.03;         ///< [m] A prior is never surer than this, in x, y and z,
+  double prior_floor_rad = 0.002;      ///< [rad] and yaw.
 };
 
 /// Where a short-term map is believed to lie.
@@ -77,6 +81,8 @@ struct Registration {
   double distinctness = 0.0;  ///< [0 … 1] 1 - score / second_best.
   double inliers = 0.0;       ///< [0 … 1]
   double residual_mm = 0.0;
+  double misfit = 0.0;  ///< [-] See Refinement.
+  double margin = 0.0;  ///< [-] How much less likely the next place is, as a difference of χ².
   double innovation = 0.0;           ///< [-] Squared Mahalanobis distance between match and prior.
   bool position_observable = false;  ///< The match tells x and y better than ±10 cm.
   bool wide = false;                 ///< It took the wide window.

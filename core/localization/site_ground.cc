@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/localization/match_raster.h"
+#include "core/localization/raster_surroundings.h"
 
 namespace cairn {
 namespace {
@@ -129,8 +130,6 @@ class Reader {
     return {height, height};
   }
 
-  [[nodiscard]] std::int16_t truncate() const { return truncate_; }
-
  private:
   static std::int16_t limited(int height) {
     return static_cast<std::int16_t>(std::clamp<int>(height, -kFarthestHeight, kFarthestHeight));
@@ -177,58 +176,81 @@ SiteGrid<FloorSpan> floor_near(const SiteGrid<FloorSpan>& floor, int reach, int 
   return near;
 }
 
-}  // namespace
+HeightRange range_of(const HeightMap& map, const CellBox& box) {
+  HeightRange range;
+  visit_known(map, box, [&](CellIndex, std::int32_t height_mm) {
+    range.lowest_mm = std::min(range.lowest_mm, height_mm);
+    range.highest_mm = std::max(range.highest_mm, height_mm);
+  });
+  return range;
+}
 
-std::optional<SiteGround> read_site_ground(const HeightMap& map, int margin,
-                                           const std::optional<SiteDisc>& disc,
-                                           const SiteGroundConfig& config, std::string& why) {
+/// Fine as long as the heights fit.
+int unit_for(std::int64_t relief_mm) {
+  constexpr std::int64_t kUnits = 2 * kRasterLimit;
+  return std::max(kFinestUnitMm, static_cast<int>((relief_mm + kUnits - 1) / kUnits));
+}
+
+/// The part of the map to read; none, with the reason, where there is nothing or too much.
+std::optional<CellBox> box_to_read(const HeightMap& map, int margin,
+                                   const std::optional<SiteDisc>& disc, std::string& why) {
   auto box = known_box(map);
   if (box && disc) box = clipped(*box, *disc, margin, map.cell_size_m());
   if (!box || box->lowest.x > box->highest.x || box->lowest.y > box->highest.y) {
     why = "the long-term map is empty there";
     return std::nullopt;
   }
-  const std::int64_t side = std::max(std::int64_t{box->highest.x} - box->lowest.x,
-                                     std::int64_t{box->highest.y} - box->lowest.y) +
-                            1;
-  if (side > kMaxSiteCells) {
+  const std::int64_t width = std::int64_t{box->highest.x} - box->lowest.x + 1;
+  const std::int64_t height = std::int64_t{box->highest.y} - box->lowest.y + 1;
+  if (std::max(width, height) > kMaxSiteCells) {
     why = "the site is too large to be searched at once; give a disc";
     return std::nullopt;
   }
-  HeightRange range;
-  visit_known(map, *box, [&](CellIndex, std::int32_t height_mm) {
-    range.lowest_mm = std::min(range.lowest_mm, height_mm);
-    range.highest_mm = std::max(range.highest_mm, height_mm);
-  });
-  const std::int64_t relief_mm = std::int64_t{range.highest_mm} - range.lowest_mm;
-  if (relief_mm > std::int64_t{2} * kRasterLimit * kCoarsestUnitMm) {
-    why = range.highest_mm < range.lowest_mm ? "the long-term map is empty there"
-                                             : "the site's heights differ too much";
-    return std::nullopt;
-  }
-  if (range.highest_mm < range.lowest_mm) {
-    why = "the long-term map is empty there";
-    return std::nullopt;
-  }
+  return box;
+}
+
+SiteGround ground_from(const MatchRaster& raster, int margin, int unit_mm, double cell_m,
+                       const SiteGroundConfig& config) {
   SiteGround site;
-  site.margin = margin;
-  site.unit_mm = std::max(
-      kFinestUnitMm, static_cast<int>((relief_mm + 2 * kRasterLimit - 1) / (2 * kRasterLimit)));
-  site.datum_mm = static_cast<std::int32_t>(range.lowest_mm + relief_mm / 2);
-  const MatchRaster raster = raster_of(map, *box, margin, site.unit_mm, site.datum_mm);
   site.lowest = raster.lowest;
-  const Reader reader(raster, config, site.unit_mm, map.cell_size_m());
-  site.truncate = reader.truncate();
-  site.above_face = static_cast<std::int16_t>(config.above_face_mm / site.unit_mm);
+  site.margin = margin;
+  site.unit_mm = unit_mm;
+  site.datum_mm = raster.datum_mm;
+  site.truncate = static_cast<std::int16_t>(config.truncate_mm / unit_mm);
+  site.above_face = static_cast<std::int16_t>(config.above_face_mm / unit_mm);
   site.heights = SiteGrid<HeightSpan>(raster.width, raster.height);
   SiteGrid<FloorSpan> floor(raster.width, raster.height);
+  const Reader reader(raster, config, unit_mm, cell_m);
   for (std::size_t i = 0; i < floor.cells.size(); ++i) {
     site.heights.cells[i] = reader.span(i);
     floor.cells[i] = reader.floor(i);
   }
-  const auto cells = [&](double m) { return static_cast<int>(std::lround(m / map.cell_size_m())); };
+  const auto cells = [&](double m) { return static_cast<int>(std::lround(m / cell_m)); };
   site.floor = floor_near(floor, cells(config.floor_reach_m), cells(config.far_floor_reach_m));
   return site;
+}
+
+}  // namespace
+
+std::optional<SiteGround> read_site_ground(const HeightMap& map, int margin,
+                                           const std::optional<SiteDisc>& disc,
+                                           const SiteGroundConfig& config, std::string& why) {
+  const std::optional<CellBox> box = box_to_read(map, margin, disc, why);
+  if (!box) return std::nullopt;
+  const HeightRange range = range_of(map, *box);
+  const std::int64_t relief_mm = std::int64_t{range.highest_mm} - range.lowest_mm;
+  if (relief_mm < 0) {
+    why = "the long-term map is empty there";
+    return std::nullopt;
+  }
+  const int unit_mm = unit_for(relief_mm);
+  if (unit_mm > kCoarsestUnitMm) {
+    why = "the site's heights differ too much";
+    return std::nullopt;
+  }
+  const auto datum_mm = static_cast<std::int32_t>(range.lowest_mm + relief_mm / 2);
+  return ground_from(raster_of(map, *box, margin, unit_mm, datum_mm), margin, unit_mm,
+                     map.cell_size_m(), config);
 }
 
 }  // namespace cairn

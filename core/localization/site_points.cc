@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/localization/match_raster.h"
+#include "core/localization/raster_surroundings.h"
 
 namespace cairn {
 namespace {

@@ -78,6 +78,31 @@ double second_mm(const SitePlaces& search, const std::vector<Place>& places) {
   return kInfinity;
 }
 
+PlaceSearch place_search(const SiteSearchConfig& config, const std::optional<SiteDisc>& disc) {
+  return {.yaw_step_rad = config.yaw_step_rad,
+          .far_sigma = config.far_sigma,
+          .limit_mm = config.max_score_mm + config.min_lead_mm,
+          .max_bounds = config.max_bounds,
+          .disc = disc};
+}
+
+/// The best place of all, and what speaks for it.
+std::optional<Place> best_place(SitePlaces& search, const SiteSearchConfig& config,
+                                SiteMatch& match) {
+  const Possible found = possible_places(search, config);
+  match.bounds = search.bounds();
+  match.places = found.places.size();
+  if (found.places.empty()) return std::nullopt;
+  const Place& best = found.places.front();
+  match.bound_mm = found.bound_mm;
+  match.second_bound_mm = found.second_bound_mm;
+  match.score_mm = search.score_mm(best);
+  match.second_best_mm = second_mm(search, found.places);
+  match.unknown = search.unknown_share(best);
+  match.blocked = search.blocked_share(best);
+  return best;
+}
+
 /// Where the robot would be, for the last step.
 RegistrationPrior prior_at(const Place& place, const SiteGround& ground, double cell_m,
                            const Pose& T_submap_robot) {
@@ -108,7 +133,7 @@ Registration registered(const HeightMap& short_term, const RegistrationPrior& pr
 
 /// Why the best place is not believed; empty when it is.
 std::string objection(const SiteMatch& match, bool all_seen, const SiteSearchConfig& config) {
-  if (!all_seen) return "too many places look alike";
+  if (!all_seen || match.places == config.max_places) return "too many places look alike";
   if (match.second_best_mm * (1.0 - config.min_distinctness) <= match.score_mm ||
       match.second_bound_mm < match.bound_mm + config.min_gap_mm) {
     return "another place matches as well";
@@ -149,32 +174,19 @@ SiteMatch SiteSearch::find(const HeightMap& short_term, const Pose& T_submap_rob
   }
   const double cell_m = short_term.cell_size_m();
   SitePlaces search(*prepared_->ground, *prepared_->pyramid, cell_m, cells,
-                    {.yaw_step_rad = config.yaw_step_rad,
-                     .far_sigma = config.far_sigma,
-                     .limit_mm = config.max_score_mm + config.min_lead_mm,
-                     .max_bounds = config.max_bounds,
-                     .disc = disc});
-  const Possible found = possible_places(search, config);
-  match.bounds = search.bounds();
-  match.places = found.places.size();
-  if (found.places.empty()) {
+                    place_search(config, disc));
+  const std::optional<Place> best = best_place(search, config, match);
+  if (!best) {
     match.why =
         search.exhausted() ? "too many places look alike" : "it looks like no place of the map";
     return match;
   }
-  const Place& best = found.places.front();
-  match.bound_mm = found.bound_mm;
-  match.second_bound_mm = found.second_bound_mm;
-  match.score_mm = search.score_mm(best);
-  match.second_best_mm = second_mm(search, found.places);
-  match.unknown = search.unknown_share(best);
-  match.blocked = search.blocked_share(best);
-  const RegistrationPrior prior = prior_at(best, *prepared_->ground, cell_m, T_submap_robot);
-  match.registration = registered(short_term, prior, prepared_->long_term, config.registration);
+  match.registration =
+      registered(short_term, prior_at(*best, *prepared_->ground, cell_m, T_submap_robot),
+                 prepared_->long_term, config.registration);
   match.T_site_robot = match.registration.T_site_robot;
   match.covariance = match.registration.covariance;
-  const bool all_seen = !search.exhausted() && match.places < config.max_places;
-  match.why = objection(match, all_seen, config);
+  match.why = objection(match, !search.exhausted(), config);
   match.accepted = match.why.empty();
   return match;
 }

@@ -61,9 +61,9 @@ struct SiteMatch {
 };
 
 /// Finds a robot that does not know where it is: restarted without a pose, carried away, or wrong
-/// for long (T2.2.3: "a more thorough search"; T4.3.3). Every place of the map and every turn is
-/// tried, by branch and bound on truncated height differences; roll and pitch are known, and z
-/// follows from the ground under the robot's place.
+/// for long: the "more thorough search" that the thesis asks for (T2.2.3, T4.3.3). Every place of
+/// the map and every turn is tried, by branch and bound on truncated height differences; roll and
+/// pitch are known, and z follows from the ground under the robot's place.
 ///
 /// What is exact: no cell and turn is passed over that scores, with one cell of tolerance, within
 /// min_lead_mm of the best; those are compared without the tolerance. What is not searched: places
@@ -71,8 +71,8 @@ struct SiteMatch {
 /// above 0.
 ///
 /// Prepared once for a long-term map, which is copied as far as needed; then `find` is const and
-/// may be called from several
-/// threads.
+/// may be called from
+/// several threads.
 class SiteSearch {
  public:
   /// `disc`: only robots in it are found. Never fails: with a map that cannot be searched `find`

@@ -37,7 +37,7 @@ bool differ(const SubmapPose& a, const SubmapPose& b, double m, double rad) {
 }  // namespace
 
 GraphKeeper::GraphKeeper(const asio::any_io_executor& executor, Tell tell)
-    : strand_(asio::make_strand(executor)), tell_(std::move(tell)) {}
+    : strand_(asio::make_strand(executor)), pause_(strand_), tell_(std::move(tell)) {}
 
 void GraphKeeper::take(std::vector<MergedSubmap> merged) {
   if (merged.empty()) return;
@@ -89,7 +89,20 @@ void GraphKeeper::search() {
   accepted_ += searched.accepted;
   compared_ += searched.registrations;
   if (!searched.done) return schedule();
-  if (compared_ > 0) report();
+  report_in_time();
+}
+
+void GraphKeeper::report_in_time() {
+  if (compared_ == 0 || pausing_ || telling_) return;
+  pausing_ = true;
+  pause_.expires_after(kMovePeriod);
+  pause_.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
+    const auto self = weak.lock();
+    if (error || !self) return;
+    self->pausing_ = false;
+    self->report_in_time();
+  });
+  report();
 }
 
 void GraphKeeper::report() {

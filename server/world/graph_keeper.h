@@ -1,7 +1,9 @@
 #pragma once
 
 #include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <unordered_map>
@@ -33,6 +35,8 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
   /// folds tiles anew and travels to robots.
   static constexpr double kWorthMovingM = 0.03;
   static constexpr double kWorthMovingRad = 0.003;
+  /// Between two moves: what is found meanwhile moves together.
+  static constexpr std::chrono::seconds kMovePeriod{10};
 
  private:
   void add(const MergedSubmap& submap);
@@ -42,13 +46,17 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
   [[nodiscard]] std::vector<std::pair<SubmapId, SubmapPose>> moves() const;
   [[nodiscard]] bool worth_moving(const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const;
 
+  void report_in_time();
+
   boost::asio::strand<boost::asio::any_io_executor> strand_;
+  boost::asio::steady_timer pause_;  ///< Since the last report.
   Tell tell_;
   SubmapGraph graph_;
   std::unordered_map<SubmapId, SubmapPose, SubmapIdHash> world_;  ///< Where the world has them.
   bool resumed_ = false;
   bool scheduled_ = false;
   bool telling_ = false;
+  bool pausing_ = false;
   int accepted_ = 0;  ///< Loops since the last optimisation.
   int compared_ = 0;  ///< Pairs since the last report.
 };

@@ -33,8 +33,8 @@ struct MergedSubmap {
 /// What the pose graph found out: where submaps lie now, and what that rests on.
 struct GraphFindings {
   std::vector<std::pair<SubmapId, SubmapPose>> moves;
-  std::vector<LoopRow> loops;   ///< New or changed.
-  std::vector<TriedRow> tried;  ///< New or changed.
+  std::vector<LoopRow> loops{};   ///< New or changed.
+  std::vector<TriedRow> tried{};  ///< New or changed.
 };
 
 /// The long-term map of one site (design §3, §6): the fold of its accepted submaps, with those

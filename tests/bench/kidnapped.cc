@@ -167,7 +167,7 @@ class Looking {
         bend_rad_s_(noise.uniform(-0.15, 0.15)) {}
 
   Result<Sighting> look() {
-    constexpr MonotonicTime kLongest = std::chrono::seconds(10);  // It may be stuck.
+    constexpr MonotonicTime kLongest = std::chrono::seconds(20);  // It may be stuck.
     Sighting sighting;
     while (!done_ && *robot_.next_stamp() < kLongest) {
       auto readings = robot_.advance(*robot_.next_stamp());
@@ -184,41 +184,45 @@ class Looking {
  private:
   void take(const agent::Reading& reading, Sighting& sighting) {
     if (const auto* motion = std::get_if<MotionReading>(&reading)) {
-      take_motion(*motion);
+      take_motion(*motion, sighting);
     } else if (const auto* scan = std::get_if<Scan>(&reading)) {
       take_scan(*scan, sighting);
     }
   }
 
-  void take_motion(const MotionReading& motion) {
+  void take_motion(const MotionReading& motion, Sighting& sighting) {
     const Pose before = pose_.pose();
     pose_.update(motion);
     const Pose& now = pose_.pose();
     driven_m_ += std::hypot(now.x_m - before.x_m, now.y_m - before.y_m);
     turned_rad_ += std::abs(wrap_angle(now.yaw_rad - before.yaw_rad));
     done_ = turned_ ? turned_rad_ > std::numbers::pi : driven_m_ > way_m_;
-    // Smoothed: the noise of the readings is no motion.
-    const double dt_s = to_seconds(motion.stamp - last_);
+    if (lurched(before, to_seconds(motion.stamp - last_))) begin_again(sighting);
     last_ = motion.stamp;
-    if (dt_s <= 0.0) return;
-    const Eigen::Vector2d rate((now.roll_rad - before.roll_rad) / dt_s,
-                               (now.pitch_rad - before.pitch_rad) / dt_s);
-    tilting_rad_s_ += (rate - tilting_rad_s_) * (1.0 - std::exp(-dt_s / kTiltLagS));
   }
 
-  /// As the agent maps: beams count no further than roll and pitch are known well enough.
+  /// A wheel dropped off a kerb, or climbed one: what was seen before lies at another height.
+  bool lurched(const Pose& before, double dt_s) {
+    constexpr double kSmoothS = 0.4;  // The noise of the readings is no motion.
+    constexpr double kLurchRadS = 0.15;
+    if (dt_s <= 0.0) return false;
+    const Eigen::Vector2d rate((pose_.pose().roll_rad - before.roll_rad) / dt_s,
+                               (pose_.pose().pitch_rad - before.pitch_rad) / dt_s);
+    tilting_rad_s_ += (rate - tilting_rad_s_) * (1.0 - std::exp(-dt_s / kSmoothS));
+    return tilting_rad_s_.norm() > kLurchRadS;
+  }
+
+  void begin_again(Sighting& sighting) {
+    sighting.short_term = HeightMap(sighting.short_term.cell_size_mm());
+    driven_m_ = 0.0;
+    turned_rad_ = 0.0;
+    done_ = false;
+  }
+
   void take_scan(const Scan& scan, Sighting& sighting) {
-    const double doubt_rad = 0.004 + tilting_rad_s_.norm() * kTiltLagS;
-    const double range_m = std::min(kSeeFreeM, 0.06 / doubt_rad);
-    std::vector<Beam> beams =
-        beams_in_site(scan, robot_.lasers()[scan.laser], pose_.pose(), range_m);
-    for (Beam& beam : beams) {
-      const Eigen::Vector3d along = beam.end_m - beam.origin_m;
-      if (!beam.hit || along.norm() <= range_m) continue;
-      beam.end_m = beam.origin_m + along.normalized() * range_m;
-      beam.hit = false;
-    }
-    integrator_.integrate(sighting.short_term, beams, std::nullopt, nullptr);
+    integrator_.integrate(sighting.short_term,
+                          beams_in_site(scan, robot_.lasers()[scan.laser], pose_.pose(), kSeeFreeM),
+                          std::nullopt, nullptr);
   }
 
   agent::DriveCommand command() {
@@ -233,7 +237,6 @@ class Looking {
   double bend_rad_s_;
   DeadReckoning pose_{DeadReckoningConfig{}, Pose{}};
   ScanIntegrator integrator_{SensorModel{}};
-  static constexpr double kTiltLagS = 0.4;
   Eigen::Vector2d tilting_rad_s_ = Eigen::Vector2d::Zero();
   MonotonicTime last_{};
   double driven_m_ = 0.0;

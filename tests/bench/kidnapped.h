@@ -45,7 +45,8 @@ struct Sighting {
 };
 
 /// The robot is put down at a random walkable place of `wanted` with a random yaw; it drives 1 to
-/// 3 m, or turns round where it cannot or every other time. Errors: no such place.
+/// 3 m, or turns half round where it cannot or every other time. When it lurches it begins again.
+/// Errors: no such place.
 [[nodiscard]] Result<Sighting> put_down(const agent::World& world, const Walkable& walkable,
                                         const Mapped& wanted, std::uint64_t seed);
 
