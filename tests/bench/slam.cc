@@ -89,16 +89,16 @@ class Replay {
     const std::clock_t start = std::clock();
     mapper_.finish();
     cpu_ += std::clock() - start;
-    for (const Place& place : run_.places) {
-      if (run_.submaps.contains(place.sequence)) continue;
-      const Submap* submap = mapper_.replica().find(place.sequence);
-      if (submap != nullptr) run_.submaps.emplace(place.sequence, *submap);
+    const std::uint32_t last = run_.places.empty() ? 0 : run_.places.back().sequence;
+    for (std::uint32_t sequence = 1; sequence <= last; ++sequence) {
+      const Submap* submap = mapper_.replica().find(sequence);
+      if (submap != nullptr) run_.submaps.emplace(sequence, *submap);
     }
     run_.cpu_s = static_cast<double>(cpu_) / CLOCKS_PER_SEC;
     if (!run_.places.empty()) run_.log_s = to_seconds(run_.places.back().stamp);
     std::cout << "corrections " << mapper_.corrections_accepted() << ", refused "
               << mapper_.corrections_refused() << ", submaps " << run_.submaps.size() << ", "
-              << mapper_.distance_m() << " m, lost readings " << lost_ << '\n';
+              << mapper_.distance_m() << " m, lost readings " << lost_ << std::endl;
     return std::move(run_);
   }
 
@@ -130,7 +130,6 @@ Result<Run> replay(const Options& options) {
   agent::MapperConfig config;
   config.cell_size_mm = options.cell_mm;
   config.kept_bytes = std::size_t{8} << 30;
-  if (const char* v = std::getenv("OLD_SHARE")) config.old_share = std::atof(v);
   Replay replay(**input, config);
   while (!(*input)->finished()) {
     const auto next = (*input)->next_stamp();
@@ -280,6 +279,7 @@ int run(const Options& options) {
   const RelationErrors robot = relation_errors(*relations, track(*run, *first_s));
   print("odometry", raw);
   print("robot   ", robot);
+  std::cout << std::flush;
   if (const Status closed = close_loops(*run); !closed) {
     std::cerr << closed.error().message << '\n';
     return 1;
