@@ -18,18 +18,33 @@ struct Surface {
   double per_x, per_y;  ///< [mm/m]
 };
 
-/// The smallest and largest known height of the 4 × 4 cells around the square (x, y) … (x+1, y+1).
-double relief_mm(const MatchRaster& map, int x, int y) {
+/// The 4 × 4 cells around the square (x, y) … (x+1, y+1).
+struct Surroundings {
+  double relief_mm = 0.0;           ///< Between the lowest and the highest known height.
+  double per_x = 0.0, per_y = 0.0;  ///< [mm per cell] Of the plane through them.
+  bool complete = false;            ///< All are known: the plane means something.
+};
+
+Surroundings surroundings(const MatchRaster& map, int x, int y) {
   int lowest = kMatchLimitMm;
   int highest = -kMatchLimitMm;
+  int known = 0;
+  int along_x = 0;  // Heights times twice their distance from the middle.
+  int along_y = 0;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 2, map.height - 1); ++v) {
     for (int u = std::max(x - 1, 0); u <= std::min(x + 2, map.width - 1); ++u) {
       if (!map.known(u, v)) continue;
-      lowest = std::min<int>(lowest, map.at(u, v));
-      highest = std::max<int>(highest, map.at(u, v));
+      const int height_mm = map.at(u, v);
+      lowest = std::min(lowest, height_mm);
+      highest = std::max(highest, height_mm);
+      along_x += height_mm * (2 * (u - x) - 1);
+      along_y += height_mm * (2 * (v - y) - 1);
+      ++known;
     }
   }
-  return highest - lowest;
+  constexpr double kSquares = 4.0 * (9 + 1 + 1 + 9) / 2.0;  // Of the doubled distances, halved.
+  return {static_cast<double>(highest - lowest), along_x / kSquares, along_y / kSquares,
+          known == 16};
 }
 
 /// The heights at the corners of a square of four neighbouring cells.
@@ -93,7 +108,8 @@ class NormalEquations {
     if (!corners) return;
     const double foot_mm = place_[2] * 1000.0 - map_.heights.datum_mm;
     double height_mm = foot_mm + cell.height_mm;
-    double height_range_mm = relief_mm(map_.heights, column, row);
+    const Surroundings around = surroundings(map_.heights, column, row);
+    double height_range_mm = around.relief_mm;
     double share = config_.relief_share;
     const int nearest_x = static_cast<int>(std::floor(x_cells + 0.5));
     const int nearest_y = static_cast<int>(std::floor(y_cells + 0.5));
@@ -105,19 +121,25 @@ class NormalEquations {
       height_range_mm = std::min(height_range_mm, limit_mm - map_.ground[nearest]);
       share = config_.side_face_relief_share;
     }
-    const Surface surface = surface_between(*corners, x_cells - column, y_cells - row, map_.cell_m);
-    Eigen::Vector4d J(0.0, 0.0, -1000.0, 0.0);
-    if (height_range_mm >= config_.noise_relief_mm) {
-      J[0] = surface.per_x;
-      J[1] = surface.per_y;
-      J[3] = surface.per_y * x - surface.per_x * y;
-    }
+    Surface surface = surface_between(*corners, x_cells - column, y_cells - row, map_.cell_m);
+    if (height_range_mm < config_.edge_relief_mm) flatten(around, surface);
+    const Eigen::Vector4d J(surface.per_x, surface.per_y, -1000.0,
+                            surface.per_y * x - surface.per_x * y);
     add(J, surface.height_mm - height_mm, share * height_range_mm);
   }
 
   [[nodiscard]] const Normal& result() const { return normal_; }
 
  private:
+  /// Between neighbouring cells of even ground the noise of their heights looks like slopes, and
+  /// many together like knowledge. The plane through 16 cells has five times less of it.
+  void flatten(const Surroundings& around, Surface& surface) const {
+    const double slope = std::hypot(around.per_x, around.per_y);
+    const bool is_slope = around.complete && slope >= config_.noise_slope * 1000.0 * map_.cell_m;
+    surface.per_x = is_slope ? around.per_x / map_.cell_m : 0.0;
+    surface.per_y = is_slope ? around.per_y / map_.cell_m : 0.0;
+  }
+
   void add(const Eigen::Vector4d& J, double residual_mm, double edge_mm) {
     const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + edge_mm * edge_mm;
     const double squared = residual_mm * residual_mm / variance;

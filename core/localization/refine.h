@@ -24,8 +24,10 @@ struct RefineConfig {
   double relief_share = 0.3;
   /// [-] Of faces seen from the side the map tells which cells they cross, not where in them.
   double side_face_relief_share = 0.6;
-  /// [mm] Relief below this is noise and tells nothing of x, y and yaw.
-  double noise_relief_mm = 40.0;
+  /// [mm] Relief from which neighbouring cells are an edge and not noise.
+  double edge_relief_mm = 100.0;
+  /// [-] Slopes below this may be noise and tell nothing of x, y and yaw.
+  double noise_slope = 0.05;
   /// [-] Neighbouring cells err together: this many count as one.
   double cells_per_opinion = 5.0;
   /// [m] What the match alone shows worse than this, it does not show: the prior stays.

@@ -299,6 +299,7 @@ class Registering {
         answer.misfit > config_.max_misfit) {
       return "the heights do not agree";
     }
+    if (beyond_window(match.place)) return "it is best beyond the window";
     if (answer.margin < config_.min_margin) return "another place matches as well";
     if (!answer.wide && answer.innovation > config_.max_innovation) {
       return "too far from where the robot can be";
@@ -317,6 +318,15 @@ class Registering {
     if (answer.innovation > config_.max_wide_innovation)
       return "too far from where the robot can be";
     return {};
+  }
+
+  /// Refinement ran out of what was searched: nothing is known of other places there.
+  [[nodiscard]] bool beyond_window(const RobotPlace& place) const {
+    constexpr int kMarginCells = 2;
+    const RobotPlace off = difference(place, prior_place());
+    const double reach_m = (problem_.reach + kMarginCells) * long_term_.cell_size_m();
+    const double reach_rad = (problem_.yaw_reach + kMarginCells) * problem_.yaw_step_rad;
+    return off.head<2>().cwiseAbs().maxCoeff() > reach_m || std::abs(off[3]) > reach_rad;
   }
 
   /// How far match and prior disagree, in the directions that the match shows.

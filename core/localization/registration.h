@@ -40,7 +40,7 @@ struct RegistrationConfig {
   int min_overlap_cells = 150;    ///< And so many at least.
   double min_inliers = 0.75;      ///< [-] Of the overlap, agreeing within 3 σ.
   double max_residual_mm = 60.0;  ///< [mm]
-  double max_misfit = 1.4;        ///< [-] See Refinement.
+  double max_misfit = 0.7;        ///< [-] See Refinement.
   /// [-] Basins whose score is worse than the best one's by less than this, in parts of their own,
   /// are refined as well: what they are worth shows only then.
   double min_distinctness = 0.12;

@@ -86,8 +86,12 @@ void GraphKeeper::schedule() {
 
 void GraphKeeper::search() {
   const LoopSearch searched = graph_.find_loops(kSlice);
-  accepted_ += searched.accepted;
   compared_ += searched.registrations;
+  if (searched.accepted > 0) {  // At once: what is known better is searched in smaller windows.
+    const auto moved = graph_.optimise();
+    if (!moved) spdlog::warn("pose graph: {}", moved.error().message);
+    improved_ = true;
+  }
   if (!searched.done) return schedule();
   report_in_time();
 }
@@ -108,9 +112,7 @@ void GraphKeeper::report_in_time() {
 void GraphKeeper::report() {
   compared_ = 0;
   GraphFindings findings;
-  if (std::exchange(accepted_, 0) > 0) {
-    const auto moved = graph_.optimise();
-    if (!moved) spdlog::warn("pose graph: {}", moved.error().message);
+  if (improved_) {
     findings.moves = moves();
     if (!worth_moving(findings.moves)) findings.moves.clear();
   }

@@ -57,8 +57,8 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
   bool scheduled_ = false;
   bool telling_ = false;
   bool pausing_ = false;
-  int accepted_ = 0;  ///< Loops since the last optimisation.
-  int compared_ = 0;  ///< Pairs since the last report.
+  bool improved_ = false;  ///< Loops were accepted since the server started.
+  int compared_ = 0;       ///< Pairs since the last report.
 };
 
 }  // namespace cairn::server
