@@ -23,7 +23,7 @@ struct RefineConfig {
   /// [-] What of the heights around a cell adds to its spread: cells cover edges differently.
   double relief_share = 0.3;
   /// [-] Of faces seen from the side the map tells which cells they cross, not where in them.
-  double side_face_relief_share = 0.6;
+  double side_face_relief_share = 0.9;
   /// [mm] Relief from which neighbouring cells are an edge and not noise.
   double edge_relief_mm = 100.0;
   /// [-] Slopes below this may be noise and tell nothing of x, y and yaw.
