@@ -72,7 +72,7 @@ class Shifts {
     const int end = std::min(side_, from_.width() - lowest.x());
     for (int y = std::max(0, -lowest.y()); y < std::min(side_, from_.height() - lowest.y()); ++y) {
       const std::int8_t* field = from_.row(lowest.y() + y) + lowest.x();
-      std::int32_t* sums = sums_.data() + y * side_;
+      std::int32_t* sums = sums_.data() + std::ptrdiff_t{y} * side_;
       for (int x = first; x < end; ++x) sums[x] += field[x];
     }
   }

@@ -22,6 +22,8 @@ constexpr Duration kBlockedPatience = std::chrono::milliseconds(400);
 constexpr Duration kBlockedRepeat = std::chrono::seconds(3);
 /// A command is worth this many looks from further back.
 constexpr int kMaxBackups = 6;
+/// A place must be found twice, by maps of a turn each, and the first may have been cut short.
+constexpr double kTurnsToLookAround = 3.0;
 /// [m] A path that begins further away was made for somewhere else.
 constexpr double kMaxOffPathM = 1.5;
 
@@ -132,7 +134,7 @@ void Driver::set_localization(LocalizationState state, const std::string& why) {
 DriveCommand Driver::look_around(const Pose& pose, MonotonicTime clock) {
   looked_around_rad_ += std::abs(wrap_angle(pose.yaw_rad - last_yaw_rad_.value_or(pose.yaw_rad)));
   last_yaw_rad_ = pose.yaw_rad;
-  if (looked_around_rad_ > 2.0 * std::numbers::pi) {
+  if (looked_around_rad_ > kTurnsToLookAround * 2.0 * std::numbers::pi) {
     end(CommandState::stopped, "lost: " + localization_why_);
     return {};
   }

@@ -83,7 +83,7 @@ class Driver {
   /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it may be crossed.
   std::optional<DriveCommand> before_gap(const Pose& pose, const LocalView& view, const Gap& gap,
                                          MonotonicTime clock);
-  /// Lost: turns on the spot to see what is around, one full turn; then gives up.
+  /// Lost: turns on the spot to see what is around, a few turns; then gives up.
   DriveCommand look_around(const Pose& pose, MonotonicTime clock);
   DriveCommand back_up(const Pose& pose, const LocalView& view);
   void arrive();

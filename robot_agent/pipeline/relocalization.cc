@@ -11,6 +11,9 @@ namespace {
 
 /// [-] A map older than this many searches has drifted: it begins anew.
 constexpr double kWornOut = 8.0;
+/// [m], [rad] Two sightings of one place differ by less: a cell or two, and the way between them.
+constexpr double kSamePlaceM = 0.4;
+constexpr double kSameHeadingRad = 0.06;
 
 }  // namespace
 
@@ -18,8 +21,13 @@ Relocalization::Relocalization(const MapperConfig& config)
     : config_(config), integrator_(config.sensor_model), seen_(config.cell_size_mm) {}
 
 void Relocalization::begin(const Pose& T_local_robot) {
-  seen_ = HeightMap(config_.cell_size_mm);
   T_local_robot_ = T_local_robot;
+  T_site_local_.reset();
+  begin_map();
+}
+
+void Relocalization::begin_map() {
+  seen_ = HeightMap(config_.cell_size_mm);
   progress_ = 0.0;
   since_begin_ = 0.0;
   scans_ = 0;
@@ -51,8 +59,28 @@ std::optional<SiteMatch> Relocalization::find(const HeightMap& site) {
   ++searches_;
   if (search_ == nullptr) search_ = std::make_unique<SiteSearch>(site);
   SiteMatch match = search_->find(seen_, T_local_robot_);
-  if (!match.accepted && since_begin_ > kWornOut) begin(T_local_robot_);
+  if (match.accepted) {
+    confirm(match);
+  } else if (since_begin_ > kWornOut) {
+    begin_map();
+  }
   return match;
+}
+
+void Relocalization::confirm(SiteMatch& match) {
+  if (!agrees(match.T_site_robot)) {
+    match.accepted = false;
+    match.why = "found a place that fits; looks once more to be sure";
+  }
+  T_site_local_ = compose(match.T_site_robot, from_to(T_local_robot_, {}));
+  begin_map();
+}
+
+bool Relocalization::agrees(const Pose& T_site_robot) const {
+  if (!T_site_local_) return false;
+  const Pose before = compose(*T_site_local_, T_local_robot_);
+  return std::hypot(before.x_m - T_site_robot.x_m, before.y_m - T_site_robot.y_m) < kSamePlaceM &&
+         std::abs(wrap_angle(before.yaw_rad - T_site_robot.yaw_rad)) < kSameHeadingRad;
 }
 
 }  // namespace cairn::agent

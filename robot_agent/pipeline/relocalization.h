@@ -14,7 +14,8 @@ namespace cairn::agent {
 
 /// How a lost robot finds itself again (T2.2.3: "a more thorough search"): from where it noticed
 /// that it is lost it maps anew, in its local frame, and searches the whole replica for that map,
-/// again and again as the map grows.
+/// again and again as the map grows. Places look alike: it has found itself only when two maps that
+/// share no scan say the same.
 class Relocalization {
  public:
   explicit Relocalization(const MapperConfig& config);
@@ -27,12 +28,17 @@ class Relocalization {
   void move(const Pose& T_local_robot);
   void take_scan(const Scan& scan, const LaserSpec& laser, double range_m);
 
-  /// Searches when there is enough new to search with. Costs up to seconds in a large site.
+  /// Searches when there is enough new to search with. Costs up to seconds in a large site. What is
+  /// found once is not accepted yet, but waits for a second map that agrees.
   [[nodiscard]] std::optional<SiteMatch> find(const HeightMap& site);
 
   [[nodiscard]] std::size_t searches() const { return searches_; }
 
  private:
+  void begin_map();
+  void confirm(SiteMatch& match);
+  [[nodiscard]] bool agrees(const Pose& T_site_robot) const;
+
   MapperConfig config_;
   ScanIntegrator integrator_;
   HeightMap seen_;  ///< In the local frame.
@@ -41,6 +47,7 @@ class Relocalization {
   double since_begin_ = 0.0;  ///< The same since the beginning.
   std::size_t scans_ = 0;
   std::size_t searches_ = 0;
+  std::optional<Pose> T_site_local_;    ///< What the last map that was found said.
   std::unique_ptr<SiteSearch> search_;  ///< Prepared for the replica as it is.
 };
 
