@@ -12,8 +12,8 @@ LinearConstraint linearised(const GraphConstraint& constraint, const LevelPose& 
   const double dy = to.y_m - from.y_m;
   LinearConstraint linear;
   linear.residual = difference(between(from, to), constraint.T_from_to);
-  linear.J_to = R_t;
-  linear.J_from = -R_t * lever(dx, dy);  // Turning `from` swings what it sees.
+  linear.by_to = R_t;
+  linear.by_from = -R_t * lever(dx, dy);  // Turning `from` swings what it sees.
   return linear;
 }
 
@@ -31,7 +31,7 @@ void NormalEquations4::lay_out() {
     const auto [low, high] = std::minmax(unknown_[c.from], unknown_[c.to]);
     if (low != kNone && low != high) rows_[static_cast<std::size_t>(low)].push_back(high);
   }
-  H_.resize(4 * unknowns_, 4 * unknowns_);
+  hessian_.resize(4 * unknowns_, 4 * unknowns_);
   Eigen::VectorXi sizes(4 * unknowns_);
   for (std::size_t column = 0; column < rows_.size(); ++column) {
     auto& rows = rows_[column];
@@ -40,24 +40,24 @@ void NormalEquations4::lay_out() {
     sizes.segment<4>(static_cast<Eigen::Index>(4 * column))
         .setConstant(static_cast<int>(4 * rows.size()));
   }
-  H_.reserve(sizes);
+  hessian_.reserve(sizes);
   for (std::size_t column = 0; column < rows_.size(); ++column) {
     for (Eigen::Index j = 0; j < 4; ++j) {
       for (const std::int64_t row : rows_[column]) {
         for (Eigen::Index i = 0; i < 4; ++i) {
-          H_.insert(4 * row + i, static_cast<Eigen::Index>(4 * column) + j) = 0.0;
+          hessian_.insert(4 * row + i, static_cast<Eigen::Index>(4 * column) + j) = 0.0;
         }
       }
     }
   }
-  H_.makeCompressed();
+  hessian_.makeCompressed();
   b_.resize(4 * unknowns_);
   for (std::int64_t i = 0; i < unknowns_; ++i) diagonal_.push_back(slot(i, i));
   for (const GraphConstraint& c : graph_.constraints) {
     const auto [low, high] = std::minmax(unknown_[c.from], unknown_[c.to]);
     mixed_.push_back(low == kNone ? BlockSlot{} : slot(high, low));
   }
-  factor_.analyzePattern(H_);
+  factor_.analyzePattern(hessian_);
 }
 
 NormalEquations4::BlockSlot NormalEquations4::slot(std::int64_t row, std::int64_t column) const {
@@ -65,20 +65,21 @@ NormalEquations4::BlockSlot NormalEquations4::slot(std::int64_t row, std::int64_
   const std::int64_t before = std::lower_bound(rows.begin(), rows.end(), row) - rows.begin();
   BlockSlot slot{};
   for (std::size_t j = 0; j < slot.size(); ++j) {
-    slot[j] = H_.outerIndexPtr()[4 * column + static_cast<std::int64_t>(j)] + 4 * before;
+    slot[j] = hessian_.outerIndexPtr()[4 * column + static_cast<std::int64_t>(j)] + 4 * before;
   }
   return slot;
 }
 
 void NormalEquations4::add(const BlockSlot& slot, const Eigen::Matrix4d& block) {
   for (Eigen::Index j = 0; j < 4; ++j) {
-    Eigen::Map<Eigen::Vector4d>(H_.valuePtr() + slot[static_cast<std::size_t>(j)]) += block.col(j);
+    Eigen::Map<Eigen::Vector4d>(hessian_.valuePtr() + slot[static_cast<std::size_t>(j)]) +=
+        block.col(j);
   }
 }
 
 void NormalEquations4::fill(const std::vector<LevelPose>& nodes,
                             const std::vector<Eigen::Matrix4d>& informations) {
-  std::fill_n(H_.valuePtr(), H_.nonZeros(), 0.0);
+  std::fill_n(hessian_.valuePtr(), hessian_.nonZeros(), 0.0);
   b_.setZero();
   for (std::size_t k = 0; k < graph_.constraints.size(); ++k) {
     const Eigen::Matrix4d& information = informations[k];
@@ -92,10 +93,10 @@ void NormalEquations4::fill(const std::vector<LevelPose>& nodes,
       add(diagonal_[static_cast<std::size_t>(unknown)], J.transpose() * information * J);
       b_.segment<4>(4 * unknown) -= J.transpose() * (information * linear.residual);
     };
-    add_own(from, linear.J_from);
-    add_own(to, linear.J_to);
+    add_own(from, linear.by_from);
+    add_own(to, linear.by_to);
     if (from == kNone || to == kNone) continue;
-    const Eigen::Matrix4d block = linear.J_to.transpose() * information * linear.J_from;
+    const Eigen::Matrix4d block = linear.by_to.transpose() * information * linear.by_from;
     add(mixed_[k], to > from ? block : Eigen::Matrix4d(block.transpose()));
   }
 }
@@ -105,7 +106,7 @@ std::optional<Eigen::VectorXd> NormalEquations4::solve(double damping) {
   if (unknowns_ == 0) return step;
   // What nothing measured is held where it is by next to nothing.
   constexpr double kHold = 1e-6;
-  Eigen::SparseMatrix<double> damped = H_;
+  Eigen::SparseMatrix<double> damped = hessian_;
   for (const BlockSlot& slot : diagonal_) {
     for (std::size_t j = 0; j < slot.size(); ++j) {
       double& value = damped.valuePtr()[slot[j] + static_cast<std::int64_t>(j)];

@@ -15,8 +15,8 @@ namespace cairn {
 /// A constraint's residual and its derivatives by both poses, along the axes of `from`.
 struct LinearConstraint {
   Eigen::Vector4d residual;
-  Eigen::Matrix4d J_from;
-  Eigen::Matrix4d J_to;
+  Eigen::Matrix4d by_from;
+  Eigen::Matrix4d by_to;
 };
 [[nodiscard]] LinearConstraint linearised(const GraphConstraint& constraint, const LevelPose& from,
                                           const LevelPose& to);
@@ -48,7 +48,7 @@ class NormalEquations4 {
   std::vector<std::int64_t> unknown_;  ///< Per node its place among those that move; kNone: fixed.
   std::int64_t unknowns_ = 0;
   std::vector<std::vector<std::int64_t>> rows_;  ///< Per block column its block rows, ascending.
-  Eigen::SparseMatrix<double> H_;                ///< Lower half; diagonal blocks are full.
+  Eigen::SparseMatrix<double> hessian_;          ///< Lower half; diagonal blocks are full.
   Eigen::VectorXd b_;
   std::vector<BlockSlot> diagonal_;  ///< Per unknown.
   std::vector<BlockSlot> mixed_;     ///< Per constraint, where both ends move.

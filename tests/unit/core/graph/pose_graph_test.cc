@@ -67,8 +67,8 @@ TEST(PoseGraph, ItsDerivativesAreThoseOfTheResidual) {
     const auto slope = [&](const LevelPose& a, const LevelPose& b) {
       return Eigen::Vector4d((linearised(c, a, b).residual - linear.residual) / kStep);
     };
-    EXPECT_LT((slope(test::disturbed(from, off), to) - linear.J_from.col(i)).norm(), 1e-5);
-    EXPECT_LT((slope(from, test::disturbed(to, off)) - linear.J_to.col(i)).norm(), 1e-5);
+    EXPECT_LT((slope(test::disturbed(from, off), to) - linear.by_from.col(i)).norm(), 1e-5);
+    EXPECT_LT((slope(from, test::disturbed(to, off)) - linear.by_to.col(i)).norm(), 1e-5);
   }
 }
 
