@@ -187,7 +187,7 @@ HeightRange range_of(const HeightMap& map, const CellBox& box) {
 
 /// Fine as long as the heights fit.
 int unit_for(std::int64_t relief_mm) {
-  constexpr std::int64_t kUnits = 2 * kRasterLimit;
+  constexpr std::int64_t kUnits = std::int64_t{2} * kRasterLimit;
   return std::max(kFinestUnitMm, static_cast<int>((relief_mm + kUnits - 1) / kUnits));
 }
 

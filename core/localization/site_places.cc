@@ -146,7 +146,9 @@ void SitePlaces::open_all() {
   for (std::size_t yaw = 0; yaw < turned_.size(); ++yaw) {
     pyramid_.top_bounds(turned_[yaw], sums);
     for (const auto& [i, j] : places) {
-      const std::uint32_t bound = sums[static_cast<std::size_t>(j * pyramid_.top_stride() + i)];
+      const std::uint32_t bound =
+          sums[static_cast<std::size_t>(j) * static_cast<std::size_t>(pyramid_.top_stride()) +
+               static_cast<std::size_t>(i)];
       if (bound > limit_) continue;
       blocks.push_back({bound, kTop, static_cast<std::int16_t>(yaw),
                         static_cast<std::int16_t>(corner(i)),

@@ -70,7 +70,8 @@ class SitePyramid {
 
   void make_planes(const SiteGround& ground);
   [[nodiscard]] const Plane& plane(int x, int y) const {
-    return planes_[static_cast<std::size_t>((y % kTopCells) * kTopCells + x % kTopCells)];
+    const auto row = static_cast<std::size_t>(y % kTopCells);
+    return planes_[row * kTopCells + static_cast<std::size_t>(x % kTopCells)];
   }
 
   std::array<Level, kTop + 1> levels_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <utility>
 
 namespace cairn::proto {
 namespace {
@@ -38,10 +37,10 @@ void MapSender::add_tile(const MapOffer::Part& part) {
   const Tile tile = part.tile.unpack();
   bool anything = false;
   for (std::uint8_t block = 0; block < kBlocksPerTile; ++block) {
-    MapBlock record = block_of(step(), part, tile, block);
+    const MapBlock record = block_of(step(), part, tile, block);
     if (record.content.changed.none()) continue;
     anything = true;
-    items_.push_back({std::move(record)});
+    items_.push_back({record});
   }
   if (!anything) items_.push_back({empty_block(step(), part, tile)});
 }
