@@ -181,8 +181,8 @@ TEST(SubmapGraph, TiesNothingAlongACorridor) {
   SubmapGraph graph = graph_of(straight);
   const LevelPose place = *graph.place(node.id);
   EXPECT_NEAR(place.y_m, 0.0, 0.05);
-  EXPECT_NEAR(place.yaw_rad, 0.0, 0.01);
   EXPECT_NEAR(place.x_m, 3.3, 0.1);
+  EXPECT_NEAR(place.yaw_rad, 0.0, 0.05);  // What the rival takes away may cost the heading.
 }
 
 TEST(SubmapGraph, RefusesWhatItCannotUse) {
