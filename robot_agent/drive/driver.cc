@@ -118,7 +118,7 @@ DriveCommand Driver::step(const Pose& pose, const CellLookup& cells, int cell_si
                           std::uint8_t min_probability, MonotonicTime clock,
                           std::optional<Duration> silence) {
   if (!busy() || reason_to_end(pose, clock, silence)) return {};
-  if (localization_ == LocalizationState::lost) return look_around(pose, clock);
+  if (localization_ == LocalizationState::lost) return look_around(pose);
   return follow(pose, cells, cell_size_mm, min_probability, clock);
 }
 
@@ -131,14 +131,14 @@ void Driver::set_localization(LocalizationState state, const std::string& why) {
   localization_why_ = why;
 }
 
-DriveCommand Driver::look_around(const Pose& pose, MonotonicTime clock) {
+DriveCommand Driver::look_around(const Pose& pose) {
   looked_around_rad_ += std::abs(wrap_angle(pose.yaw_rad - last_yaw_rad_.value_or(pose.yaw_rad)));
   last_yaw_rad_ = pose.yaw_rad;
   if (looked_around_rad_ > kTurnsToLookAround * 2.0 * std::numbers::pi) {
     end(CommandState::stopped, "lost: " + localization_why_);
     return {};
   }
-  block("lost, looking around: " + localization_why_, clock);
+  state_ = DriveState::blocked;  // Not reported: another path would not help.
   return {0.0, config_.look_around_rad_s};
 }
 

@@ -84,7 +84,7 @@ class Driver {
   std::optional<DriveCommand> before_gap(const Pose& pose, const LocalView& view, const Gap& gap,
                                          MonotonicTime clock);
   /// Lost: turns on the spot to see what is around, a few turns; then gives up.
-  DriveCommand look_around(const Pose& pose, MonotonicTime clock);
+  DriveCommand look_around(const Pose& pose);
   DriveCommand back_up(const Pose& pose, const LocalView& view);
   void arrive();
 

@@ -147,8 +147,8 @@ TEST_F(DriverTest, LooksAroundOnTheSpotWhenItIsLostAndGoesOnWhenItHasFoundItself
   run(seconds(4));
   EXPECT_NEAR(pose.x_m, before.x_m, 0.05);
   EXPECT_GT(std::abs(pose.yaw_rad), 1.0);
-  EXPECT_EQ(reports.back().state, CommandState::blocked);
-  EXPECT_THAT(reports.back().why, HasSubstr("lost, looking around: nothing fits here"));
+  EXPECT_EQ(driver.state(), DriveState::blocked);
+  EXPECT_EQ(reports.back().state, CommandState::accepted) << "another path would not help";
   driver.set_localization(LocalizationState::localized, "");
   run(seconds(30));
   EXPECT_EQ(reports.back().state, CommandState::arrived);
