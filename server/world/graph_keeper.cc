@@ -70,6 +70,10 @@ void GraphKeeper::resume(GraphFindings findings) {
     if (Status restored = self->graph_.restore(found); !restored) {
       spdlog::warn("pose graph: begins anew: {}", restored.error().message);
     }
+    for (const LoopRow& row : findings.loops) {
+      self->stored_loops_[{row.from, row.to}] = row.status;
+    }
+    for (const TriedRow& row : findings.tried) self->stored_tries_[{row.a, row.b}] = row.tries;
     self->resumed_ = true;
     self->schedule();
   });
@@ -116,21 +120,41 @@ void GraphKeeper::report() {
     findings.moves = moves();
     if (!worth_moving(findings.moves)) findings.moves.clear();
   }
-  const FoundLoops found = graph_.found();
-  for (const SubmapEdge& loop : found.loops) findings.loops.push_back(to_row(loop));
-  for (const TriedPair& pair : found.tried) findings.tried.push_back(to_row(pair));
+  add_news(graph_.found(), findings);
   telling_ = true;
-  tell_(findings, [self = shared_from_this(), moved = findings.moves](const Status& told) {
-    asio::post(self->strand_, [self, moved, told] {
+  tell_(findings, [self = shared_from_this(), findings](const Status& told) {
+    asio::post(self->strand_, [self, findings, told] {
       self->telling_ = false;
       if (told) {
-        for (const auto& [id, pose] : moved) self->world_[id] = pose;
+        self->remember(findings);
       } else {
         spdlog::error("pose graph: {}; nothing was moved", told.error().message);
       }
       self->schedule();
     });
   });
+}
+
+void GraphKeeper::add_news(const FoundLoops& found, GraphFindings& findings) const {
+  for (const SubmapEdge& loop : found.loops) {
+    const auto stored = stored_loops_.find({loop.from, loop.to});
+    const auto status = static_cast<std::uint8_t>(loop.status);
+    if (stored == stored_loops_.end() || stored->second != status) {
+      findings.loops.push_back(to_row(loop));
+    }
+  }
+  for (const TriedPair& pair : found.tried) {
+    const auto stored = stored_tries_.find({pair.a, pair.b});
+    if (stored == stored_tries_.end() || stored->second != pair.tries) {
+      findings.tried.push_back(to_row(pair));
+    }
+  }
+}
+
+void GraphKeeper::remember(const GraphFindings& told) {
+  for (const auto& [id, pose] : told.moves) world_[id] = pose;
+  for (const LoopRow& row : told.loops) stored_loops_[{row.from, row.to}] = row.status;
+  for (const TriedRow& row : told.tried) stored_tries_[{row.a, row.b}] = row.tries;
 }
 
 std::vector<std::pair<SubmapId, SubmapPose>> GraphKeeper::moves() const {

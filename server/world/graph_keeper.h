@@ -4,9 +4,12 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <chrono>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/graph/submap_graph.h"
@@ -44,6 +47,9 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
   void search();
   void report();
   [[nodiscard]] std::vector<std::pair<SubmapId, SubmapPose>> moves() const;
+  /// What the store does not have yet of what was found.
+  void add_news(const FoundLoops& found, GraphFindings& findings) const;
+  void remember(const GraphFindings& told);
   [[nodiscard]] bool worth_moving(const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const;
 
   void report_in_time();
@@ -53,6 +59,9 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
   Tell tell_;
   SubmapGraph graph_;
   std::unordered_map<SubmapId, SubmapPose, SubmapIdHash> world_;  ///< Where the world has them.
+  using Pair = std::pair<SubmapId, SubmapId>;
+  std::map<Pair, std::uint8_t> stored_loops_;   ///< Their status. Bounded as the graph's edges.
+  std::map<Pair, std::uint32_t> stored_tries_;  ///< How often. [Limit: ≤ kMaxTriedPairs]
   bool resumed_ = false;
   bool scheduled_ = false;
   bool telling_ = false;

@@ -1,6 +1,9 @@
 #include "server/world/placing.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "proto/codec/records.h"
 
 namespace cairn::server {
 
@@ -9,9 +12,13 @@ LevelPose to_level(const SubmapPose& pose) {
 }
 
 SubmapPose to_submap_pose(const LevelPose& pose) {
-  const auto rounded = [](double value) { return static_cast<std::int32_t>(std::lround(value)); };
-  return {rounded(pose.x_m * 1000.0), rounded(pose.y_m * 1000.0), rounded(pose.z_m * 1000.0),
-          rounded(wrap_angle(pose.yaw_rad) * 1e4)};
+  // A robot's links, put together, may lead out of every map: such a submap touches no tile.
+  const auto to_mm = [](double m) {
+    constexpr double kMost = proto::kMaxCoordinateMm;
+    return static_cast<std::int32_t>(std::lround(std::min(std::max(m * 1000.0, -kMost), kMost)));
+  };
+  return {to_mm(pose.x_m), to_mm(pose.y_m), to_mm(pose.z_m),
+          static_cast<std::int32_t>(std::lround(wrap_angle(pose.yaw_rad) * 1e4))};
 }
 
 }  // namespace cairn::server

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "server/world/corrections.h"
+#include "server/world/placing.h"
 #include "tests/unit/server/world/world_fixture.h"
 
 /// Submaps that move after they were merged, and what robots are told of that.
@@ -140,6 +141,11 @@ TEST(Corrections, CarryAPoseThroughAllEditionsSinceItWasMade) {
   EXPECT_NEAR(old.y_mm, 2500, 1);
   EXPECT_NEAR(old.yaw_1e4rad, 15'708, 1);
   EXPECT_EQ(corrections.corrected({.x_mm = 2000}, 2), (SubmapPose{.x_mm = 2000}));
+}
+
+TEST(Placing, StaysWithinWhatTheWireCanSay) {
+  const SubmapPose far = to_submap_pose({4e6, -4e6, 1.5, 3.14159});
+  EXPECT_EQ(far, (SubmapPose{proto::kMaxCoordinateMm, -proto::kMaxCoordinateMm, 1500, 31'416}));
 }
 
 TEST(Corrections, ComeBackFromTheirNote) {
