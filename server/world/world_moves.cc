@@ -25,6 +25,7 @@ std::vector<SubmapId> World::merged_in_order() const {
   for (const auto& [id, merged] : merged_) order.emplace_back(merged.row.merge_order, id);
   std::ranges::sort(order);
   std::vector<SubmapId> ids;
+  ids.reserve(order.size());
   for (const auto& [place, id] : order) ids.push_back(id);
   return ids;
 }
