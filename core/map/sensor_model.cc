@@ -27,6 +27,10 @@ std::string faults(const SensorModel& model) {
         "hit_probability must be 128 to 254", all);
   check(model.miss_probability >= 1 && model.miss_probability <= 127,
         "miss_probability must be 1 to 127", all);
+  check(model.graze_probability >= model.miss_probability && model.graze_probability <= 127,
+        "graze_probability must be miss_probability to 127", all);
+  check(model.graze_beyond_m >= 0.0 && model.graze_beyond_m <= 10.0,
+        "graze_beyond_m must be 0 to 10", all);
   check(model.min_probability >= 1 && model.min_probability <= 127,
         "min_probability must be 1 to 127", all);
   check(model.max_probability >= model.hit_probability && model.max_probability <= 254,

@@ -12,6 +12,12 @@ struct SensorModel {
   std::uint8_t hit_probability = 166;
   /// [1/255] P(surface at the stored height | a beam passed below it). [Limit: 1 … 127]
   std::uint8_t miss_probability = 102;
+  /// [1/255] P(surface at the stored height | a beam passed there, not above it but within the
+  /// tolerance, and went on). Weak: a beam that grazes the edge of a thing does the same.
+  /// [Limit: miss_probability … 127]
+  std::uint8_t graze_probability = 112;
+  /// [m] A beam that ends nearer behind a cell than this grazed what it met. [Limit: 0 … 10]
+  double graze_beyond_m = 0.5;
   /// [1/255] Below this a cell is unknown again. [Limit: 1 … 127]
   std::uint8_t min_probability = 25;
   /// [1/255] Confidence never exceeds this, so that a changed world is learned in bounded time.

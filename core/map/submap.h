@@ -56,9 +56,10 @@ struct Submap {
   std::optional<SubmapLink> link;
   /// The tallest surface at each cell, by the rules of T4.3.
   HeightMap surface;
-  /// Where beams passed *below* what the robot's long-term map holds: per cell the lowest beam and
-  /// the probability that nothing stands above it (kCertainlyEmpty: the robot stood there). This is
-  /// how removed objects are unlearned.
+  /// Where beams passed below, or grazed, what the robot's long-term map holds: per cell the height
+  /// that speaks against surfaces above it by more than the sensor model's tolerance, and the
+  /// probability that none stands there (kCertainlyEmpty: the robot stood there). This is how
+  /// removed objects are unlearned.
   HeightMap seen_through;
   bool closed = false;  ///< The robot will add nothing more.
 

@@ -51,10 +51,10 @@ void set_bit(Bits& bits, int i) {
   bits[bit / 64] |= std::uint64_t{1} << (bit % 64);
 }
 
-/// Keeps the lowest beam of each cell.
+/// Keeps the strongest of each cell, and of those the lowest.
 void keep_lowest(std::vector<Contradiction>& all) {
   const auto key = [](const Contradiction& c) {
-    return std::tuple(c.cell.y, c.cell.x, c.beam_height_mm);
+    return std::tuple(c.cell.y, c.cell.x, c.grazing, c.height_mm);
   };
   std::sort(all.begin(), all.end(),
             [&](const Contradiction& a, const Contradiction& b) { return key(a) < key(b); });
@@ -71,14 +71,19 @@ CellRules::CellRules(const SensorModel& model) : model_(model) {
   for (std::uint8_t p = 1; p < 255; ++p) {
     // Rounding must not make a weak model deaf: evidence always counts at least one step.
     const int up = std::max<int>(combine(p, model.hit_probability), p + 1);
-    const int down = std::min<int>(combine(p, model.miss_probability), p - 1);
+    const auto after = [&](std::uint8_t evidence) {
+      const int down = std::min<int>(combine(p, evidence), p - 1);
+      return static_cast<std::uint8_t>(down < model.min_probability ? 0 : down);
+    };
     probability_after_hit_[p] = static_cast<std::uint8_t>(std::min<int>(up, model.max_probability));
-    probability_after_pass_[p] = static_cast<std::uint8_t>(down < model.min_probability ? 0 : down);
+    probability_after_pass_[p] = after(model.miss_probability);
+    probability_after_graze_[p] = after(model.graze_probability);
     hits_behind_[p] = static_cast<std::uint8_t>(hits_behind(p, model));
   }
   // No cell should be certain, but one that came from elsewhere must obey the rules as well.
   probability_after_hit_[255] = model.max_probability;
   probability_after_pass_[255] = probability_after_pass_[254];
+  probability_after_graze_[255] = probability_after_graze_[254];
   hits_behind_[255] = hits_behind_[254];
 }
 
@@ -90,9 +95,10 @@ Cell CellRules::after_hit(const Cell& cell, std::int32_t height_mm) const {
           probability_after_hit_[cell.probability]};
 }
 
-Cell CellRules::after_pass(const Cell& cell, std::int32_t beam_height_mm) const {
-  if (!passed_below(cell, beam_height_mm)) return cell;
-  return {cell.height_mm, probability_after_pass_[cell.probability]};
+Cell CellRules::after_pass(const Cell& cell, Pass pass) const {
+  if (pass == Pass::above) return cell;
+  const auto& after = pass == Pass::below ? probability_after_pass_ : probability_after_graze_;
+  return {cell.height_mm, after[cell.probability]};
 }
 
 struct ScanIntegrator::Scene {
@@ -154,43 +160,53 @@ void ScanIntegrator::mark_hits(Scene& scene, const std::vector<Beam>& beams) {
 }
 
 // Inline, as this and work_at are all that is done for most cells.
-inline bool ScanIntegrator::concerns(const Scene& scene, const TileWork& work, int index,
-                                     std::int32_t beam_height_mm) const {
-  const auto below = [&](const Tile* tile) {
-    return tile != nullptr && rules_.passed_below(tile->cell(index), beam_height_mm);
+inline bool ScanIntegrator::concerns(const Scene& scene, const TileWork& work,
+                                     const Stay& stay) const {
+  const auto spoken_against = [&](const Tile* tile) {
+    return tile != nullptr && rules_.pass_of(tile->cell(stay.index), stay.beam_height_mm,
+                                             stay.went_on) != CellRules::Pass::above;
   };
-  return below(work.tile) || below(work.reference) || scene.ground_height_mm.has_value();
+  return spoken_against(work.tile) || spoken_against(work.reference) ||
+         scene.ground_height_mm.has_value();
 }
 
 void ScanIntegrator::integrate_free_part(Scene& scene, const Beam& beam) {
   const CellIndex last = scene.map.cell_at(beam.end_m.x(), beam.end_m.y());
   const double z_m = beam.origin_m.z();
   const double rise_m = beam.end_m.z() - z_m;
+  const double length_m = (beam.end_m - beam.origin_m).head<2>().norm();
+  // Beyond this share of its way the beam no longer counts as going on.
+  const double goes_on_until = 1.0 - rules_.model().graze_beyond_m / length_m;
   walk_cells(beam.origin_m.x(), beam.origin_m.y(), beam.end_m.x(), beam.end_m.y(),
              scene.map.cell_size_m(), [&](CellIndex cell, double t) {
                if (cell == last) return;
                TileWork& work = work_at(scene, cell);
-               const int index = HeightMap::index_in_tile(cell);
-               const std::int32_t beam_mm = to_mm(z_m + t * rise_m);
+               const Stay stay{cell, HeightMap::index_in_tile(cell), to_mm(z_m + t * rise_m),
+                               t <= goes_on_until};
                // Nearly every cell of nearly every beam ends here.
-               if (!concerns(scene, work, index, beam_mm) || test_bit(work.hit, index)) return;
-               pass(scene, work, cell, beam_mm);
+               if (!concerns(scene, work, stay) || test_bit(work.hit, stay.index)) return;
+               pass(scene, work, stay);
              });
 }
 
-void ScanIntegrator::pass(Scene& scene, TileWork& work, CellIndex cell,
-                          std::int32_t beam_height_mm) {
-  const int index = HeightMap::index_in_tile(cell);
+void ScanIntegrator::pass(Scene& scene, TileWork& work, const Stay& stay) {
   if (work.tile != nullptr) {
-    const Cell before = work.tile->cell(index);
-    const Cell after = rules_.after_pass(before, beam_height_mm);
-    if (after != before) store(work, index, before, after);
+    const Cell before = work.tile->cell(stay.index);
+    const auto pass = rules_.pass_of(before, stay.beam_height_mm, stay.went_on);
+    const Cell after = rules_.after_pass(before, pass);
+    if (after != before) store(work, stay.index, before, after);
   }
-  if (work.reference != nullptr &&
-      rules_.passed_below(work.reference->cell(index), beam_height_mm)) {
-    scene.effect.contradictions.push_back({cell, beam_height_mm});
-  }
-  if (scene.ground_height_mm) hit(scene, work, index, *scene.ground_height_mm);
+  if (work.reference != nullptr) contradict(scene, work, stay);
+  if (scene.ground_height_mm) hit(scene, work, stay.index, *scene.ground_height_mm);
+}
+
+void ScanIntegrator::contradict(Scene& scene, const TileWork& work, const Stay& stay) {
+  const Cell believed = work.reference->cell(stay.index);
+  const auto pass = rules_.pass_of(believed, stay.beam_height_mm, stay.went_on);
+  if (pass == CellRules::Pass::above) return;
+  const bool grazing = pass == CellRules::Pass::grazing;
+  const std::int32_t below_mm = grazing ? rules_.model().tolerance_mm + 1 : 0;
+  scene.effect.contradictions.push_back({stay.cell, stay.beam_height_mm - below_mm, grazing});
 }
 
 void ScanIntegrator::hit(Scene& scene, TileWork& work, int index, std::int32_t height_mm) {

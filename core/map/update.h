@@ -25,14 +25,26 @@ class CellRules {
   /// the running mean of the surface's hits; hits lower than that are ignored.
   [[nodiscard]] Cell after_hit(const Cell& cell, std::int32_t height_mm) const;
 
-  /// The cell after a beam passed through its column at `beam_height_mm`: if that is below the
-  /// stored height by more than the tolerance the probability falls, and below the model's minimum
-  /// the cell is unknown again; else nothing changes.
-  [[nodiscard]] Cell after_pass(const Cell& cell, std::int32_t beam_height_mm) const;
+  /// How a beam's way past a cell speaks against the cell's surface.
+  enum class Pass : std::uint8_t { above, grazing, below };
+
+  /// Below the stored height by more than the tolerance is `below`. Up to the stored height it is
+  /// `grazing` when the beam went on for graze_beyond_m at least: else a thing met only by level
+  /// beams, all at one height, would never be contradicted.
+  [[nodiscard]] Pass pass_of(const Cell& cell, std::int32_t beam_height_mm, bool went_on) const {
+    if (!cell.known()) return Pass::above;
+    const std::int64_t below_mm = std::int64_t{cell.height_mm} - beam_height_mm;
+    if (below_mm > model_.tolerance_mm) return Pass::below;
+    return went_on && below_mm >= 0 ? Pass::grazing : Pass::above;
+  }
+
+  /// The cell after such a pass: its probability falls, and below the model's minimum the cell is
+  /// unknown again; `above` changes nothing.
+  [[nodiscard]] Cell after_pass(const Cell& cell, Pass pass) const;
 
   /// Whether a beam at this height passed below the cell's surface.
   [[nodiscard]] bool passed_below(const Cell& cell, std::int32_t beam_height_mm) const {
-    return cell.known() && std::int64_t{cell.height_mm} - beam_height_mm > model_.tolerance_mm;
+    return pass_of(cell, beam_height_mm, false) == Pass::below;
   }
 
   [[nodiscard]] const SensorModel& model() const { return model_; }
@@ -42,13 +54,17 @@ class CellRules {
   // By the stored probability; [0] is not used.
   std::array<std::uint8_t, 256> probability_after_hit_{};
   std::array<std::uint8_t, 256> probability_after_pass_{};
+  std::array<std::uint8_t, 256> probability_after_graze_{};
   std::array<std::uint8_t, 256> hits_behind_{};
 };
 
-/// A beam passing below a surface that another map believes in (see Submap::seen_through).
+/// A beam passing where a surface is that another map believes in (see Submap::seen_through).
 struct Contradiction {
   CellIndex cell;
-  std::int32_t beam_height_mm = 0;  ///< The lowest of the scan's beams there.
+  /// Surfaces higher than this by more than the tolerance are contradicted: the height of the
+  /// lowest of the scan's beams there, less the tolerance where they only grazed.
+  std::int32_t height_mm = 0;
+  bool grazing = false;  ///< No beam of the scan passed below.
 };
 
 /// What one scan did to a map.
@@ -69,9 +85,9 @@ class ScanIntegrator {
   /// First every beam's free part (cells with a hit in this same scan, and the beam's last cell,
   /// are spared: a beam that grazes a wall must not erase it), then the hits. With
   /// `ground_height_mm` the free part also counts as hits on ground at that height
-  /// (LaserSpec::ground_along_beam). Where a beam's free part passes below a known surface of
-  /// `reference` (may be null; same frame and cell size as `map`, not `map` itself) by more than
-  /// the tolerance, that is a contradiction. Beams that are not finite or leave
+  /// (LaserSpec::ground_along_beam). Where a beam's free part passes below or
+  /// grazes a known surface of `reference` (may be null; same frame and cell size as `map`, not
+  /// `map` itself), that is a contradiction. Beams that are not finite or leave
   /// HeightMap::kMaxExtentM are skipped.
   ScanEffect integrate(HeightMap& map, const std::vector<Beam>& beams,
                        std::optional<std::int32_t> ground_height_mm, const HeightMap* reference);
@@ -98,9 +114,16 @@ class ScanIntegrator {
   TileWork& open_work(Scene& scene, const TileKey& key);
   void mark_hits(Scene& scene, const std::vector<Beam>& beams);
   void integrate_free_part(Scene& scene, const Beam& beam);
-  [[nodiscard]] bool concerns(const Scene& scene, const TileWork& work, int index,
-                              std::int32_t beam_height_mm) const;
-  void pass(Scene& scene, TileWork& work, CellIndex cell, std::int32_t beam_height_mm);
+  /// A beam's stay in one cell on its way.
+  struct Stay {
+    CellIndex cell;
+    int index = 0;  ///< In the tile.
+    std::int32_t beam_height_mm = 0;
+    bool went_on = false;
+  };
+  [[nodiscard]] bool concerns(const Scene& scene, const TileWork& work, const Stay& stay) const;
+  void pass(Scene& scene, TileWork& work, const Stay& stay);
+  void contradict(Scene& scene, const TileWork& work, const Stay& stay);
   void hit(Scene& scene, TileWork& work, int index, std::int32_t height_mm);
   void store(TileWork& work, int index, const Cell& before, const Cell& after);
   void collect(Scene& scene);

@@ -88,15 +88,16 @@ void SubmapWriter::integrate(const std::vector<Beam>& beams,
 }
 
 void SubmapWriter::note_seen_through(const std::vector<Contradiction>& contradictions) {
-  const auto emptiness = static_cast<std::uint8_t>(255 - config_.sensor_model.miss_probability);
+  const SensorModel& model = config_.sensor_model;
   std::vector<CellIndex> seen_through;
   for (const Contradiction& contradiction : contradictions) {
+    const auto emptiness = static_cast<std::uint8_t>(
+        255 - (contradiction.grazing ? model.graze_probability : model.miss_probability));
     const Cell before = open_->seen_through.cell(contradiction.cell);
-    Cell after{contradiction.beam_height_mm, emptiness};
+    Cell after{contradiction.height_mm, emptiness};
     if (before.known()) {
-      after.height_mm = std::min(before.height_mm, contradiction.beam_height_mm);
-      after.probability =
-          std::min(combine(before.probability, emptiness), config_.sensor_model.max_probability);
+      after.height_mm = std::min(before.height_mm, contradiction.height_mm);
+      after.probability = std::min(combine(before.probability, emptiness), model.max_probability);
     }
     if (after == before || !open_->seen_through.set(contradiction.cell, after)) continue;
     seen_through.push_back(contradiction.cell);

@@ -9,6 +9,7 @@ namespace cairn {
 namespace {
 
 const SensorModel kModel;
+using Pass = CellRules::Pass;
 const CellRules kRules{SensorModel{}};
 
 TEST(AfterHit, AnUnknownCellTakesTheHit) {
@@ -91,24 +92,42 @@ TEST(AfterHit, IsTheSameAsThePlainFormula) {
 }
 
 TEST(AfterPass, BelowTheSurfaceTheProbabilityFallsAndTheHeightStays) {
-  EXPECT_EQ(kRules.after_pass(Cell{1000, 200}, 949),
+  EXPECT_EQ(kRules.after_pass(Cell{1000, 200}, kRules.pass_of(Cell{1000, 200}, 949, false)),
             (Cell{1000, combine(200, kModel.miss_probability)}));
 }
 
 TEST(AfterPass, WithinTheToleranceOrAboveNothingChanges) {
   const Cell cell{1000, 200};
-  for (const std::int32_t beam : {950, 1000, 5000}) EXPECT_EQ(kRules.after_pass(cell, beam), cell);
+  for (const std::int32_t beam : {950, 1000, 5000}) {
+    EXPECT_EQ(kRules.pass_of(cell, beam, false), Pass::above);
+  }
+  EXPECT_EQ(kRules.after_pass(cell, Pass::above), cell);
+}
+
+TEST(AfterPass, ABeamThatGoesOnGrazesUpToTheSurfaceAndNotAbove) {
+  const Cell cell{1000, 200};
+  EXPECT_EQ(kRules.pass_of(cell, 949, true), Pass::below);
+  EXPECT_EQ(kRules.pass_of(cell, 950, true), Pass::grazing);
+  EXPECT_EQ(kRules.pass_of(cell, 1000, true), Pass::grazing);
+  EXPECT_EQ(kRules.pass_of(cell, 1001, true), Pass::above);
+}
+
+TEST(AfterPass, AGrazingBeamSaysLessThanOneBelow) {
+  const Cell cell{1000, 200};
+  EXPECT_LT(kRules.after_pass(cell, Pass::grazing).probability, 200);
+  EXPECT_GT(kRules.after_pass(cell, Pass::grazing).probability,
+            kRules.after_pass(cell, Pass::below).probability);
 }
 
 TEST(AfterPass, AnUnknownCellStaysUnknown) {
-  EXPECT_FALSE(kRules.after_pass(Cell{}, -5000).known());
+  EXPECT_EQ(kRules.pass_of(Cell{}, -5000, true), Pass::above);
 }
 
 TEST(AfterPass, SeenThroughOftenEnoughEvenASureCellIsUnknownAgain) {
   Cell cell{1000, kModel.max_probability};
   int passes = 0;
   while (cell.known() && passes < 100) {
-    cell = kRules.after_pass(cell, 0);
+    cell = kRules.after_pass(cell, Pass::below);
     ++passes;
     EXPECT_TRUE(!cell.known() || cell.probability >= kModel.min_probability);
   }
@@ -118,23 +137,25 @@ TEST(AfterPass, SeenThroughOftenEnoughEvenASureCellIsUnknownAgain) {
 }
 
 TEST(AfterPass, TheNextHitReplacesASeenThroughCellEvenFromBelow) {
-  const Cell cell = kRules.after_pass(Cell{1000, kModel.min_probability}, 0);
+  const Cell cell = kRules.after_pass(Cell{1000, kModel.min_probability}, Pass::below);
   ASSERT_FALSE(cell.known());
   EXPECT_EQ(kRules.after_hit(cell, 20), (Cell{20, kModel.hit_probability}));
 }
 
 TEST(CellRules, EvenTheWeakestModelLearnsAndForgets) {
-  const CellRules weak(SensorModel{.hit_probability = 128, .miss_probability = 127});
+  const CellRules weak(
+      SensorModel{.hit_probability = 128, .miss_probability = 127, .graze_probability = 127});
   Cell cell;
   for (int i = 0; i < 300; ++i) cell = weak.after_hit(cell, 0);
   EXPECT_EQ(cell.probability, weak.model().max_probability);
-  for (int i = 0; i < 300; ++i) cell = weak.after_pass(cell, -100);
+  for (int i = 0; i < 300; ++i)
+    cell = weak.after_pass(cell, i % 2 == 0 ? Pass::below : Pass::grazing);
   EXPECT_FALSE(cell.known());
 }
 
 TEST(CellRules, ACertainCellFromElsewhereObeysToo) {
   EXPECT_EQ(kRules.after_hit(Cell{0, 255}, 0).probability, kModel.max_probability);
-  EXPECT_LT(kRules.after_pass(Cell{0, 255}, -100).probability, 254);
+  EXPECT_LT(kRules.after_pass(Cell{0, 255}, Pass::below).probability, 254);
 }
 
 }  // namespace

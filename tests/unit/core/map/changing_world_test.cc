@@ -118,12 +118,13 @@ class Robot {
   }
 
   void note(Submap& submap, const std::vector<Contradiction>& contradictions) const {
-    const auto emptiness = static_cast<std::uint8_t>(255 - model_.miss_probability);
     for (const Contradiction& contradiction : contradictions) {
+      const auto emptiness = static_cast<std::uint8_t>(
+          255 - (contradiction.grazing ? model_.graze_probability : model_.miss_probability));
       const Cell before = submap.seen_through.cell(contradiction.cell);
-      Cell after{contradiction.beam_height_mm, emptiness};
+      Cell after{contradiction.height_mm, emptiness};
       if (before.known()) {
-        after.height_mm = std::min(before.height_mm, contradiction.beam_height_mm);
+        after.height_mm = std::min(before.height_mm, contradiction.height_mm);
         after.probability =
             std::min(combine(before.probability, emptiness), model_.max_probability);
       }
@@ -203,8 +204,29 @@ TEST(ChangingWorld, aPersonWhoWalksByARobotOnPatrolLeavesNothing) {
   EXPECT_EQ(standing_in_the_open(robot.long_term()), 0);
 }
 
-/// Level beams pass at the height at which they met the person, and so say nothing against them;
-/// the inclined laser's pass below wherever the robot drives.
+/// Level beams pass at the height at which they met the person: each says little against them, but
+/// all do, and the robot need not drive there.
+TEST(ChangingWorld, aPersonWhoStoodInViewIsUnlearnedByARobotThatStaysWhereItIs) {
+  Robot robot(7);
+  const Box person{1.3, -0.2, 1.7, 0.2, 1.7};
+  robot.stand(always({kHouse, person}), kWest, 20.0);
+  ASSERT_GT(standing_in_the_open(robot.long_term()), 0);
+  robot.stand(always({kHouse}), kWest, 30.0);
+  robot.stand(always({kHouse}), kWest, 30.0);
+  EXPECT_EQ(standing_in_the_open(robot.long_term()), 0);
+}
+
+TEST(ChangingWorld, aWallSeenAlongItsFaceIsNotGrazedAway) {
+  Robot robot(8);
+  const Box wall{-6.0, 1.0, 5.0, 1.3, 3.0};
+  const Pose beside{-5.0, 0.6, 0.0, 0.0, 0.0, 0.0};
+  robot.stand(always({kHouse, wall}), beside, 10.0);
+  const int before = standing_cells(robot.long_term(), -4.0, 0.9, 2.0, 1.2);
+  ASSERT_GE(before, 35);  // 6 m of it are 48 cells.
+  for (int i = 0; i < 3; ++i) robot.stand(always({kHouse, wall}), beside, 20.0);
+  EXPECT_GE(standing_cells(robot.long_term(), -4.0, 0.9, 2.0, 1.2), before);
+}
+
 TEST(ChangingWorld, aPersonSeenByAStandingRobotIsUnlearnedOnceItDrivesThere) {
   Robot robot(5);
   robot.stand(with_passer_by, kWest, 30.0);

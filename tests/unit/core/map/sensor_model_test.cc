@@ -15,13 +15,16 @@ TEST(SensorModel, TheDefaultIsSound) { EXPECT_EQ(faults(SensorModel{}), ""); }
 TEST(SensorModel, NamesEveryFaultAtOnce) {
   const SensorModel bad{.hit_probability = 127,
                         .miss_probability = 128,
+                        .graze_probability = 128,
+                        .graze_beyond_m = -1.0,
                         .min_probability = 0,
                         .max_probability = 255,
                         .tolerance_mm = 0,
                         .mean_memory_hits = 256};
   const std::string all = faults(bad);
-  for (const char* name : {"hit_probability", "miss_probability", "min_probability",
-                           "max_probability", "tolerance_mm", "mean_memory_hits"}) {
+  for (const char* name :
+       {"hit_probability", "miss_probability", "graze_probability", "graze_beyond_m",
+        "min_probability", "max_probability", "tolerance_mm", "mean_memory_hits"}) {
     EXPECT_THAT(all, HasSubstr(name));
   }
 }

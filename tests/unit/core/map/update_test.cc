@@ -65,12 +65,12 @@ TEST_F(ScanIntegratorTest, ABeamLeavesWhatItPassesAbove) {
 
 TEST_F(ScanIntegratorTest, TheBeamsHeightIsThatInTheMiddleOfItsStayInTheCell) {
   // From 0.4 m at x = 0.5 down to 0 at x = 8.5: at the middle of cell 4 it is 0.2 m high.
-  map.set({4, 0}, {200 + kModel.tolerance_mm, 200});
+  map.set({4, 0}, {199, 200});
   integrate({hit_beam(8.5, 0.5, 0.0)});
   EXPECT_EQ(map.cell({4, 0}).probability, 200);
   map.set({4, 0}, {201 + kModel.tolerance_mm, 200});
   integrate({hit_beam(8.5, 0.5, 0.0)});
-  EXPECT_LT(map.cell({4, 0}).probability, 200);
+  EXPECT_EQ(map.cell({4, 0}).probability, combine(200, kModel.miss_probability));
 }
 
 TEST_F(ScanIntegratorTest, ABeamWithoutReturnWeakensAllButItsLastCell) {
@@ -168,13 +168,32 @@ TEST_F(ScanIntegratorTest, WithAGroundARemovedObstacleBecomesGroundAgain) {
 
 TEST_F(ScanIntegratorTest, ReportsWhereABeamPassesBelowTheReference) {
   reference.set({3, 0}, {1000, 200});
-  reference.set({4, 0}, {400 + kModel.tolerance_mm, 200});
+  reference.set({4, 0}, {399, 200});
   const ScanEffect effect =
       integrator.integrate(map, {hit_beam(9.5, 0.5, 0.4)}, std::nullopt, &reference);
   ASSERT_EQ(effect.contradictions.size(), 1U);
   EXPECT_EQ(effect.contradictions[0].cell, (CellIndex{3, 0}));
-  EXPECT_EQ(effect.contradictions[0].beam_height_mm, 400);
+  EXPECT_EQ(effect.contradictions[0].height_mm, 400);
   EXPECT_EQ(reference.cell({3, 0}), (Cell{1000, 200})) << "the reference is only read";
+}
+
+TEST_F(ScanIntegratorTest, ABeamAtTheHeightOfAThingSpeaksWeaklyAgainstItIfItGoesOn) {
+  map.set({3, 0}, {400, 200});
+  map.set({8, 0}, {400, 200});
+  reference.set({5, 0}, {400 + kModel.tolerance_mm, 200});
+  const ScanEffect effect =
+      integrator.integrate(map, {hit_beam(9.1, 0.5, 0.4)}, std::nullopt, &reference);
+  EXPECT_EQ(map.cell({3, 0}), (Cell{400, combine(200, kModel.graze_probability)}));
+  EXPECT_EQ(map.cell({8, 0}), (Cell{400, combine(200, kModel.graze_probability)}));
+  ASSERT_EQ(effect.contradictions.size(), 1U);
+  EXPECT_TRUE(effect.contradictions[0].grazing);
+  EXPECT_EQ(effect.contradictions[0].height_mm, 400 - kModel.tolerance_mm - 1);
+}
+
+TEST_F(ScanIntegratorTest, ABeamThatEndsRightBehindAThingGrazedIt) {
+  map.set({8, 0}, {400, 200});
+  integrate({{{8.2, 0.5, 0.4}, {9.05, 0.5, 0.4}, true}});
+  EXPECT_EQ(map.cell({8, 0}), (Cell{400, 200}));
 }
 
 TEST_F(ScanIntegratorTest, ReportsEachCellOnceWithItsLowestBeam) {
@@ -183,7 +202,7 @@ TEST_F(ScanIntegratorTest, ReportsEachCellOnceWithItsLowestBeam) {
       map, {hit_beam(9.5, 0.5, 0.4), hit_beam(6.5, 0.5, 0.1), hit_beam(9.5, 0.6, 0.5)},
       std::nullopt, &reference);
   ASSERT_EQ(effect.contradictions.size(), 1U);
-  EXPECT_EQ(effect.contradictions[0].beam_height_mm, 250);
+  EXPECT_EQ(effect.contradictions[0].height_mm, 250);
 }
 
 TEST_F(ScanIntegratorTest, AHitInTheCellOrABeamEndingThereContradictsNothing) {
@@ -204,11 +223,14 @@ void integrate_plainly(HeightMap& map, const std::vector<Beam>& beams, const Cel
     if (beam.hit) hit[{c.x, c.y}] = true;
   }
   for (const Beam& beam : beams) {
+    const double length_m = (beam.end_m - beam.origin_m).head<2>().norm();
     walk_cells(beam.origin_m.x(), beam.origin_m.y(), beam.end_m.x(), beam.end_m.y(),
                map.cell_size_m(), [&](CellIndex c, double t) {
                  if (c == cell_of(beam.end_m) || hit.contains({c.x, c.y})) return;
                  const double z = beam.origin_m.z() + t * (beam.end_m.z() - beam.origin_m.z());
-                 map.set(c, rules.after_pass(map.cell(c), mm(z)));
+                 const bool went_on = (1.0 - t) * length_m >= rules.model().graze_beyond_m;
+                 map.set(c,
+                         rules.after_pass(map.cell(c), rules.pass_of(map.cell(c), mm(z), went_on)));
                });
   }
   for (const Beam& beam : beams) {
