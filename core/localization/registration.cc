@@ -218,20 +218,22 @@ class Registering {
     const std::vector<Refined> found = refined(rivals(places), wide);
     if (found.empty()) return refused("the maps do not overlap where they match best");
     const Candidate start = found.front().start;
-    const Refinement* match = &found.front().match;
-    answer.misfit = match->misfit;
     answer.margin = found.size() > 1 ? found[1].chi2 - found.front().chi2 : kInfinity;
-    answer.information = match->information;
-    answer.covariance = match->covariance;
-    answer.overlap = overlap_share(match->overlap);
-    answer.inliers = match->inliers;
-    answer.residual_mm = match->residual_mm;
-    answer.innovation = innovation(*match);
-    answer.position_observable = observable(*match);
-    answer.why = objection(answer, *match, start);
+    // Beyond the prior's reach one of several places must be the right one; within it, what they
+    // have in common is right whichever it is.
+    const Refinement match = wide ? found.front().match : common(found);
+    answer.misfit = match.misfit;
+    answer.information = match.information;
+    answer.covariance = match.covariance;
+    answer.overlap = overlap_share(match.overlap);
+    answer.inliers = match.inliers;
+    answer.residual_mm = match.residual_mm;
+    answer.innovation = innovation(match);
+    answer.position_observable = observable(match);
+    answer.why = objection(answer, match, start);
     answer.accepted = answer.why.empty();
     if (answer.accepted) {
-      move_to(match->place, answer);
+      move_to(match.place, answer);
       if (!answer.position_observable) answer.why = "x and y are not observable here";
     } else {
       answer.covariance = prior_.covariance;
@@ -245,6 +247,27 @@ class Registering {
     Refinement match;
     double chi2 = 0.0;
   };
+
+  /// The best place, without what distinguishes it from others that are nearly as likely: along
+  /// the way from one to the other the prior stays.
+  [[nodiscard]] Refinement common(const std::vector<Refined>& found) const {
+    Refinement match = found.front().match;
+    Eigen::Matrix4d information = match.information;
+    for (const Refined& other : found) {
+      if (other.chi2 - found.front().chi2 >= config_.min_margin) break;
+      const RobotPlace apart = difference(other.match.place, match.place);
+      const RobotPlace told = information * apart;
+      const double told_along = apart.dot(told);
+      if (told_along > 0.0) information -= told * told.transpose() / told_along;
+    }
+    if (information == match.information) return match;
+    match.information = information;
+    match.covariance = (information + prior_covariance_.inverse()).inverse();
+    const RobotPlace off = difference(match.place, prior_place());
+    match.place = prior_place() + match.covariance * information * off;
+    match.place[3] = wrap_angle(match.place[3]);
+    return match;
+  }
 
   /// The most likely one first; what ran into the same place counts once.
   [[nodiscard]] std::vector<Refined> refined(const std::vector<Candidate>& starts,
@@ -300,7 +323,6 @@ class Registering {
       return "the heights do not agree";
     }
     if (beyond_window(match.place)) return "it is best beyond the window";
-    if (answer.margin < config_.min_margin) return "another place matches as well";
     if (!answer.wide && answer.innovation > config_.max_innovation) {
       return "too far from where the robot can be";
     }
@@ -314,6 +336,7 @@ class Registering {
     const auto at_edge = [](int i, int end) { return i <= 1 || i >= end - 1; };
     if (at_edge(start.x, last) || at_edge(start.y, last)) return "it is best at the window's edge";
     if (!answer.position_observable) return "x and y are not observable here";
+    if (answer.margin < config_.min_margin) return "another place matches as well";
     if (answer.distinctness < config_.min_wide_distinctness) return "another place matches as well";
     if (answer.innovation > config_.max_wide_innovation)
       return "too far from where the robot can be";

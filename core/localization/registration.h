@@ -44,8 +44,9 @@ struct RegistrationConfig {
   /// [-] Basins whose score is worse than the best one's by less than this, in parts of their own,
   /// are refined as well: what they are worth shows only then.
   double min_distinctness = 0.12;
-  /// [-] By so much χ² (prior included) every other place must be less likely than the best: 25 is
-  /// five sigmas.
+  /// [-] A place whose χ² (prior included) is higher than the best one's by less is a rival: 25 is
+  /// five sigmas. Within the narrow window the answer tells only what all rivals agree on; what
+  /// the wide search finds must have none.
   double min_margin = 25.0;
   /// [-] Squared Mahalanobis distance from the prior (4 degrees of freedom: 0.1 % are beyond 18.5).
   double max_innovation = 18.5;

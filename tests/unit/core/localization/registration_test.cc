@@ -74,6 +74,26 @@ TEST(Registration, InACorridorCorrectsAcrossAndNotAlong) {
   EXPECT_GT(r.covariance(0, 0), 4.0 * r.covariance(1, 1));
 }
 
+/// A corridor with a pilaster every 0.75 m: shifted by that it is the same again.
+struct Colonnade {
+  double operator()(double x_m, double y_m) const {
+    const double reach_m = std::fmod(x_m + 75.0, 0.75) < 0.375 ? 1.6 : 2.0;
+    return std::abs(y_m) > reach_m ? 0.6 : 0.0;
+  }
+};
+
+TEST(Registration, WhereSeveralPlacesMatchTellsOnlyWhatTheyAgreeOn) {
+  const Registration r =
+      registered(Colonnade{}, {0.35, 0.3, 0.1, 0.0, 0.0, radians(2.0)}, {}, 1, 1.0);
+  ASSERT_TRUE(r.accepted) << r.why;
+  EXPECT_LT(r.margin, RegistrationConfig{}.min_margin);
+  EXPECT_FALSE(r.position_observable);
+  EXPECT_NEAR(r.T_site_submap.y_m, kRobot.y_m, 0.05);
+  EXPECT_NEAR(r.T_site_submap.z_m, kRobot.z_m, 0.02);
+  EXPECT_NEAR(r.T_site_submap.x_m, kRobot.x_m + 0.35, 0.1) << "along the row the prior stays";
+  EXPECT_GT(r.covariance(0, 0), 0.3 * 0.3);
+}
+
 TEST(Registration, WithALongTermMapOfAnotherPlaceIsRefused) {
   std::mt19937_64 random(1);
   const auto elsewhere = [](double x, double y) { return test::RichGround{}(x + 40.0, y - 70.0); };

@@ -355,12 +355,14 @@ TEST(Mapper, KeepsAnObstacleThatStillStands) {
 
 TEST(Mapper, ForgetsAPersonWhoPassed) {
   MappingRobot robot;
+  std::int32_t highest_mm = 0;
   for (double y_m = -2.0; y_m <= 2.0; y_m += 0.1) {  // Across the way, 1 m/s.
     robot.scene.boxes = {box(3.0, 3.4, y_m, y_m + 0.4, 1.8)};
     robot.look();
     robot.roll_blindly(0.025);
+    highest_mm = std::max(highest_mm, robot.at(3.05, 0.0).height_mm);
   }
-  ASSERT_GT(robot.at(3.05, 0.0).height_mm, 350);
+  ASSERT_GT(highest_mm, 350);
   robot.scene.boxes.clear();
   robot.forward(3.0);
   robot.mapper.finish();
