@@ -37,6 +37,16 @@ class Carrier {
   virtual Result<std::optional<Datagram>> receive(std::chrono::milliseconds timeout) = 0;
   /// [bytes] What a frame costs on the wire beyond its own bytes (IP headers included).
   [[nodiscard]] virtual std::size_t overhead_bytes() const = 0;
+  /// Whether `Datagram::peer` is a robot's id that its sender has proven; otherwise it only tells
+  /// ends apart.
+  [[nodiscard]] virtual bool proves_peers() const { return false; }
 };
+
+/// invalid_argument unless a frame of this size can travel.
+[[nodiscard]] inline Status check_frame_size(std::size_t bytes) {
+  if (bytes > 0 && bytes <= kMaxFrameBytes) return {};
+  return Error{ErrorCode::invalid_argument,
+               "a frame has 1 to 1200 bytes, not " + std::to_string(bytes) + ": split the content"};
+}
 
 }  // namespace cairn::proto

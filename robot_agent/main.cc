@@ -14,6 +14,8 @@
 #include "proto/codec/text.h"
 #include "proto/dds/endpoint.h"
 #include "proto/dds/robot_carrier.h"
+#include "proto/udp/keys.h"
+#include "proto/udp/robot_carrier.h"
 #include "robot_agent/input/carmen_log.h"
 #include "robot_agent/input/simulator.h"
 #include "robot_agent/pipeline/agent.h"
@@ -37,6 +39,7 @@ struct Options {
   double max_range_m = cairn::agent::LogConfig{}.max_range_m;
   bool start_unknown = false;
   std::string server = "dds://127.0.0.1";
+  std::string key;
   std::string robot = "robot";
   std::string site = "lab";
   int cell_mm = 125;
@@ -54,6 +57,9 @@ constexpr const char* kExamples = R"(Examples:
   cairn-agent --replay intel.clf.bz2 --site intel     a CARMEN log, as fast as the machine allows
   cairn-agent --world room --server "dds://10.0.0.2?domain=3"
                                                       a server on another machine
+  cairn-agent --world room --server udp://base.local:8643 --robot rover-1 --key rover-1.key
+                                                      over a thin link, encrypted with the key that
+                                                      `cairn-server --new-key rover-1` printed
 
 Worlds: room, ramp, block, hill, dem:FILE[@CELL_SIZE_IN_M])";
 
@@ -78,8 +84,10 @@ void describe(CLI::App& app, Options& options) {
       "--start-unknown", options.start_unknown,
       "Nobody knows where on the site the robot stands: it maps nothing until it has found "
       "itself in the server's map");
-  app.add_option("--server", options.server, "The server: dds://HOST[?domain=N]")
+  app.add_option("--server", options.server,
+                 "The server: dds://HOST[?domain=N] or udp://HOST[:PORT]")
       ->capture_default_str();
+  app.add_option("--key", options.key, "File with this robot's key, for udp://: a line ROBOT KEY");
   app.add_option("--robot", options.robot, "This robot's id: a-z, 0-9, '-', '_'")
       ->capture_default_str();
   app.add_option("--site", options.site, "The site it works on (founded with `cairn found`)")
@@ -235,6 +243,33 @@ Status run_replay(Agent& agent, Input& input) {
   return {};
 }
 
+using CarrierResult = Result<std::unique_ptr<cairn::proto::Carrier>>;
+
+template <class T>
+CarrierResult as_carrier(Result<std::unique_ptr<T>> made) {
+  if (!made) return made.error();
+  return std::unique_ptr<cairn::proto::Carrier>(std::move(made).value());
+}
+
+CarrierResult open_udp(const Options& options) {
+  auto address = cairn::proto::parse_udp_url(options.server);
+  if (!address) return address.error();
+  if (options.key.empty()) {
+    return cairn::Error{cairn::ErrorCode::invalid_argument,
+                        "--server " + options.server + " needs this robot's key: --key FILE"};
+  }
+  const auto key = cairn::proto::read_key(options.key, options.robot);
+  if (!key) return key.error();
+  return as_carrier(cairn::proto::UdpRobotCarrier::create(*address, *key));
+}
+
+CarrierResult open_carrier(const Options& options) {
+  if (cairn::proto::is_udp_url(options.server)) return open_udp(options);
+  auto endpoint = cairn::proto::parse_dds_url(options.server);
+  if (!endpoint) return endpoint.error();
+  return as_carrier(cairn::proto::DdsRobotCarrier::create(*endpoint, options.robot));
+}
+
 Status run(const Options& options) {
   for (const auto& [flag, name] :
        {std::pair{"--robot ", options.robot}, {"--site ", options.site}}) {
@@ -244,9 +279,7 @@ Status run(const Options& options) {
   }
   auto input = open_input(options);
   if (!input) return input.error();
-  auto endpoint = cairn::proto::parse_dds_url(options.server);
-  if (!endpoint) return endpoint.error();
-  auto carrier = cairn::proto::DdsRobotCarrier::create(*endpoint, options.robot);
+  auto carrier = open_carrier(options);
   if (!carrier) return carrier.error();
   Agent agent(config_of(options), **input, **carrier);
   spdlog::info("robot {} on site {}, looking for the server at {}", options.robot, options.site,

@@ -10,6 +10,8 @@
 
 #include "proto/dds/endpoint.h"
 #include "proto/dds/server_carrier.h"
+#include "proto/udp/keys.h"
+#include "proto/udp/server_carrier.h"
 #include "server/api/api_server.h"
 #include "server/server.h"
 #include "server/store/sqlite_store.h"
@@ -19,11 +21,14 @@ namespace {
 
 using cairn::Error;
 using cairn::ErrorCode;
+using cairn::Result;
 using cairn::Status;
 
 struct Options {
   std::string data;
-  std::string listen = "dds://127.0.0.1";
+  std::vector<std::string> listen = {"dds://127.0.0.1"};
+  std::string keys;
+  std::string new_key;
   std::string api_address = "127.0.0.1";
   std::uint16_t api_port = 8642;
   cairn::VehicleLimits vehicle;
@@ -38,6 +43,10 @@ constexpr const char* kExamples = R"(Examples:
   cairn-server --data ~/cairn                     keep sites in ~/cairn, robots on this machine
   cairn-server --data /srv/cairn --listen dds://0.0.0.0 --api-address 0.0.0.0
                                                   robots and operators from the network
+  cairn-server --data /srv/cairn --listen dds://0.0.0.0 --listen udp://0.0.0.0:8643 --keys robots.key
+                                                  also robots on thin links, each with its key
+  cairn-server --new-key rover-1 >> robots.key    a key for a robot: the same line goes into the
+                                                  file that its agent is started with (--key)
   cairn-server --config server.toml               the same flags as `name = value` lines
   cairn-server --data ~/cairn --audit             check every stored row and rebuild every map
 
@@ -51,9 +60,13 @@ void describe(CLI::App& app, Options& options) {
   app.set_config("--config", "", "Read flags from a TOML file; unknown keys are refused");
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_version_flag("--version", CAIRN_VERSION);
-  app.add_option("--data", options.data, "Folder of the site files (made if missing)")->required();
-  app.add_option("--listen", options.listen, "Where robots find this server: dds://HOST[?domain=N]")
+  app.add_option("--data", options.data, "Folder of the site files (made if missing)");
+  app.add_option("--listen", options.listen,
+                 "Where robots find this server: dds://HOST[?domain=N], udp://HOST[:PORT]; may be "
+                 "given several times")
       ->capture_default_str();
+  app.add_option("--keys", options.keys, "The robots' keys, for udp://: lines ROBOT KEY");
+  app.add_option("--new-key", options.new_key, "Print a new key for this robot, and end");
   app.add_option("--api-address", options.api_address, "Address for operators (HTTP, WebSocket)")
       ->capture_default_str();
   app.add_option("--api-port", options.api_port, "Port for operators; 0 = any free one")
@@ -147,13 +160,44 @@ Status audit_sites(const Options& options) {
                std::to_string(faults) + " faults: restore the named sites from a copy"};
 }
 
-Status serve(const Options& options) {
-  auto endpoint = cairn::proto::parse_dds_url(options.listen);
+using Carriers = std::vector<std::unique_ptr<cairn::proto::Carrier>>;
+
+/// Where robots find a carrier, as it can be told to them.
+Result<std::string> add_dds(const std::string& url, Carriers& carriers) {
+  auto endpoint = cairn::proto::parse_dds_url(url);
   if (!endpoint) return endpoint.error();
   auto carrier = cairn::proto::DdsServerCarrier::create(*endpoint);
   if (!carrier) return carrier.error();
-  std::vector<std::unique_ptr<cairn::proto::Carrier>> carriers;
   carriers.push_back(std::move(*carrier));
+  return url;
+}
+
+Result<std::string> add_udp(const std::string& url, const std::string& key_file,
+                            Carriers& carriers) {
+  auto address = cairn::proto::parse_udp_url(url);
+  if (!address) return address.error();
+  if (key_file.empty()) {
+    return Error{ErrorCode::invalid_argument,
+                 "--listen " + url + " needs the robots' keys: --keys FILE"};
+  }
+  auto keys = cairn::proto::read_keys(key_file);
+  if (!keys) return keys.error();
+  auto carrier = cairn::proto::UdpServerCarrier::create(*address, *keys);
+  if (!carrier) return carrier.error();
+  const std::string told = "udp://" + address->host + ":" + std::to_string((*carrier)->port());
+  carriers.push_back(std::move(*carrier));
+  return told;
+}
+
+Status serve(const Options& options) {
+  Carriers carriers;
+  std::string robots;
+  for (const std::string& url : options.listen) {
+    const auto told = cairn::proto::is_udp_url(url) ? add_udp(url, options.keys, carriers)
+                                                    : add_dds(url, carriers);
+    if (!told) return told.error();
+    robots += (robots.empty() ? "" : " ") + *told;
+  }
 
   boost::asio::io_context io;
   std::shared_ptr<cairn::server::Server> server;
@@ -170,13 +214,27 @@ Status serve(const Options& options) {
     return listening.error();
   }
   api = std::move(*listening);
-  spdlog::info("robots: {}  operators: http://{}:{}", options.listen, options.api_address,
-               api->port());
+  spdlog::info("robots: {}  operators: http://{}:{}", robots, options.api_address, api->port());
   wait_for_signal();
   spdlog::info("stopping: making everything received durable");
   api->stop();
   server->stop();
   return {};
+}
+
+Status print_new_key(const std::string& robot) {
+  const auto line = cairn::proto::new_key_line(robot);
+  if (!line) return line.error();
+  std::cout << *line << '\n';
+  return {};
+}
+
+Status run(const Options& options) {
+  if (!options.new_key.empty()) return print_new_key(options.new_key);
+  if (options.data.empty()) {
+    return Error{ErrorCode::invalid_argument, "--data is required: the folder of the site files"};
+  }
+  return options.audit ? audit_sites(options) : serve(options);
 }
 
 }  // namespace
@@ -195,7 +253,7 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("cairn-server"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
   spdlog::set_level(spdlog::level::from_str(options.log_level));
-  if (Status result = options.audit ? audit_sites(options) : serve(options); !result) {
+  if (Status result = run(options); !result) {
     std::cerr << "cairn-server: " << result.error().message << '\n';
     return 1;
   }

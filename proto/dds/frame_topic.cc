@@ -142,10 +142,4 @@ Status FrameTopicWriter::write(std::span<const std::uint8_t> bytes) {
   return {};
 }
 
-Status check_frame_size(std::size_t bytes) {
-  if (bytes >= 1 && bytes <= kMaxFrameBytes) return {};
-  return Error{ErrorCode::invalid_argument,
-               "a frame has 1 to 1200 bytes, not " + std::to_string(bytes) + ": split the content"};
-}
-
 }  // namespace cairn::proto

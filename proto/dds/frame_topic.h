@@ -69,7 +69,4 @@ class FrameTopicWriter {
   DdsEntity writer_;
 };
 
-/// invalid_argument unless a frame of this size can travel.
-[[nodiscard]] Status check_frame_size(std::size_t bytes);
-
 }  // namespace cairn::proto

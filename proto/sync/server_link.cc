@@ -151,7 +151,11 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   const std::uint32_t number = flight_.next_number(out_of_reach);
   lost(out_of_reach);
   FrameWriter frame({.direction = Direction::down, .session = session(), .number = number});
-  if (welcome_due_) welcome_due_ = !frame.add(welcome_);
+  if (welcome_due_) {
+    // Alone, so that it is short enough to ride on a carrier's own answer to the robot.
+    welcome_due_ = !frame.add(welcome_);
+    return finish(std::move(frame));
+  }
   const bool command =
       orders_.fill_command(frame, number, in_robot_clock(orders_.expires_at()), now);
   if (ack_due_ && frame.add(done_.ack())) ack_due_.reset();
@@ -159,6 +163,10 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   add_refusals(frame);
   const bool map = map_may_go() && map_.fill(frame, number) > 0;
   if (command || parts || map) flight_.sent(number, map, now);
+  return finish(std::move(frame));
+}
+
+std::vector<std::uint8_t> ServerLink::finish(FrameWriter&& frame) {
   ++counters_.frames_sent;
   counters_.bytes_sent += frame.size_bytes() + overhead_bytes_;
   return std::move(frame).finish();

@@ -94,6 +94,7 @@ class ServerLink {
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
   [[nodiscard]] bool map_may_go() const { return map_.has_news() && flight_.evidence_may_go(); }
   std::vector<std::uint8_t> session_frame(MonotonicTime now);
+  std::vector<std::uint8_t> finish(FrameWriter&& frame);
   void add_refusals(FrameWriter& frame);
   void lost(const std::vector<std::uint32_t>& numbers);
 

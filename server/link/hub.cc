@@ -88,12 +88,19 @@ void Hub::take(std::size_t carrier, const proto::Datagram& datagram) {
   take_events(*robot, robot->link->on_frame(*frame, datagram.bytes.size(), now()));
 }
 
-std::optional<proto::Reject> Hub::refuse(const proto::Hello& hello,
+std::optional<proto::Reject> Hub::refuse(std::size_t carrier, const std::string& peer,
+                                         const proto::Hello& hello,
                                          const std::shared_ptr<Site>& site) {
   const auto reject = [&](proto::RejectReason reason, std::string text) {
     spdlog::warn("robot {}: refused: {}", hello.robot, text);
     return proto::Reject{hello.boot, reason, std::move(text)};
   };
+  if (carriers_[carrier]->proves_peers() && hello.robot != peer) {
+    return reject(
+        proto::RejectReason::bad_name,
+        fmt::format("the key is robot '{}''s, not '{}''s: start the agent with --robot {}", peer,
+                    hello.robot, peer));
+  }
   if (!site) {
     return reject(proto::RejectReason::unknown_site,
                   fmt::format("no site '{0}' here: found it with `cairn found {0}`", hello.site));
@@ -109,8 +116,9 @@ std::optional<proto::Reject> Hub::refuse(const proto::Hello& hello,
     return reject(proto::RejectReason::server_full,
                   fmt::format("the server already knows {} robots, its limit", kMaxRobots));
   }
+  // A session in which nothing was ever said may have been begun by a Hello of long ago.
   if (known != nullptr && known->link && known->link->boot() != hello.boot &&
-      known->link->silence(now()) < kPresence) {
+      known->link->counters().frames_received > 0 && known->link->silence(now()) < kPresence) {
     return reject(proto::RejectReason::robot_id_in_use,
                   fmt::format("robot id '{}' is in use by a running agent: give this one another "
                               "--robot",
@@ -128,7 +136,7 @@ void Hub::take_hello(std::size_t carrier, const std::string& peer, const proto::
     return;
   }
   std::shared_ptr<Site> site = listener_.site_named(hello.site);
-  if (const auto reject = refuse(hello, site)) {
+  if (const auto reject = refuse(carrier, peer, hello, site)) {
     answer(carrier, peer, 0, *reject);
     return;
   }

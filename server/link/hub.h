@@ -64,7 +64,8 @@ class Hub : public std::enable_shared_from_this<Hub> {
   void receive(std::size_t carrier, const std::stop_token& stop);
   void take(std::size_t carrier, const proto::Datagram& datagram);
   void take_hello(std::size_t carrier, const std::string& peer, const proto::Hello& hello);
-  std::optional<proto::Reject> refuse(const proto::Hello& hello, const std::shared_ptr<Site>& site);
+  std::optional<proto::Reject> refuse(std::size_t carrier, const std::string& peer,
+                                      const proto::Hello& hello, const std::shared_ptr<Site>& site);
   void open_session(std::size_t carrier, const std::string& peer, const proto::Hello& hello,
                     std::shared_ptr<Site> site);
   void take_events(Robot& robot, std::vector<proto::ServerLink::Event> events);

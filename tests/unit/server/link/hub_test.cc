@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <condition_variable>
 #include <deque>
@@ -23,6 +24,7 @@ struct Air {
   std::condition_variable arrived;
   std::deque<proto::Datagram> up;
   std::deque<proto::Datagram> down;
+  std::atomic<bool> proves_peers{false};
 };
 
 class AirCarrier : public proto::Carrier {
@@ -44,6 +46,7 @@ class AirCarrier : public proto::Carrier {
     return first;
   }
   [[nodiscard]] std::size_t overhead_bytes() const override { return 28; }
+  [[nodiscard]] bool proves_peers() const override { return air_->proves_peers; }
 
  private:
   std::shared_ptr<Air> air_;
@@ -161,12 +164,35 @@ TEST_F(HubTest, TeachesWhichCellSizeTheSiteHas) {
 
 TEST_F(HubTest, RefusesASecondAgentUnderARunningOnesName) {
   say("a", hello(7));
-  ASSERT_TRUE(hear<proto::Welcome>("a"));
+  const auto welcome = hear<proto::Welcome>("a");
+  ASSERT_TRUE(welcome);
+  say("a", proto::PoseReport{}, welcome->session);
+  ASSERT_TRUE(hear<proto::Ack>("a"));
   say("b", hello(8));
   const auto reject = hear<proto::Reject>("b");
   ASSERT_TRUE(reject);
   EXPECT_EQ(reject->reason, proto::RejectReason::robot_id_in_use);
   EXPECT_EQ(reject->boot, 8U);
+}
+
+TEST_F(HubTest, TakesOnlyTheProvenNameOverACarrierThatProvesNames) {
+  air->proves_peers = true;
+  say("rover-2", hello());
+  const auto reject = hear<proto::Reject>("rover-2");
+  ASSERT_TRUE(reject);
+  EXPECT_EQ(reject->reason, proto::RejectReason::bad_name);
+  EXPECT_THAT(reject->text, HasSubstr("--robot rover-2"));
+  say("rover-1", hello());
+  EXPECT_TRUE(hear<proto::Welcome>("rover-1"));
+}
+
+TEST_F(HubTest, ASessionInWhichNothingWasSaidDoesNotKeepTheRobotsName) {
+  say("a", hello(7));
+  ASSERT_TRUE(hear<proto::Welcome>("a"));
+  say("a", hello(8));
+  const auto welcome = hear<proto::Welcome>("a");
+  ASSERT_TRUE(welcome);
+  EXPECT_EQ(welcome->boot, 8U);
 }
 
 TEST_F(HubTest, LetsARobotReturnFromAnotherAddress) {
