@@ -8,6 +8,7 @@
 #include "client/cli/follow.h"
 #include "client/cli/format.h"
 #include "client/cli/map_picture.h"
+#include "client/cli/offline_commands.h"
 #include "proto/json/envelope.h"
 
 namespace cairn::cli {
@@ -179,18 +180,28 @@ class Runner {
   bool on_a_line_ = false;
 };
 
+template <class OnlineCommand>
+Result<int> on_server(const OnlineCommand& command, const Invocation& invocation,
+                      const Terminal& terminal) {
+  const auto timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::chrono::duration<double>(invocation.timeout_s));
+  auto server = Connection::open(invocation.server, timeout);
+  if (!server) return server.error();
+  return Runner(**server, invocation, terminal)(command);
+}
+
 }  // namespace
 
 int run(const Invocation& invocation, const Terminal& terminal) {
-  const auto timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
-      std::chrono::duration<double>(invocation.timeout_s));
-  Result<int> code = kExitFailed;
-  auto server = Connection::open(invocation.server, timeout);
-  if (!server) {
-    code = server.error();
-  } else {
-    code = std::visit(Runner(**server, invocation, terminal), invocation.command);
-  }
+  const Result<int> code = std::visit(
+      [&](const auto& command) -> Result<int> {
+        if constexpr (requires { run(command, invocation.json, terminal); }) {
+          return run(command, invocation.json, terminal);
+        } else {
+          return on_server(command, invocation, terminal);
+        }
+      },
+      invocation.command);
   if (code) return *code;
   terminal.err << "cairn: " << code.error().message << '\n';
   return kExitFailed;

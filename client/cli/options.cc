@@ -7,6 +7,8 @@
 #include <sstream>
 #include <utility>
 
+#include "client/cli/offline_options.h"
+
 namespace cairn::cli {
 
 namespace {
@@ -45,6 +47,7 @@ struct Typed {
   StopCommand stop;
   MapCommand map;
   PlanCommand plan;
+  OfflineOptions offline;
   std::string x;
   std::string y;
   std::string from;
@@ -94,18 +97,35 @@ void add_goto(CLI::App& app, Typed& typed) {
 }
 
 void add_plan(CLI::App& app, Typed& typed) {
-  auto* sub = add(app, "plan", "Plan a path without driving it",
+  auto* sub = add(app, "plan", "Plan a path without driving it, on a server's map or a store",
                   "  cairn plan --from 0,0 --to -12.5,3\n"
                   "  cairn plan --from 0,0 --to 80,40 --unknown allowed --png plan.png\n"
-                  "  cairn plan --from 0,0 --to 80,40 --json");
+                  "  cairn plan yard.cairn --from 0,0 --to 80,40 --json     no server needed\n"
+                  "  cairn plan arena.cairn --scen arena.map.scen --json    all of a benchmark");
   auto& request = typed.plan.request;
-  sub->add_option("--from", typed.from, "Start X,Y [m]")->required()->check(check_point);
-  sub->add_option("--to", typed.to, "Goal X,Y [m]")->required()->check(check_point);
+  sub->add_option("--from", typed.from, "Start X,Y [m]")->check(check_point);
+  sub->add_option("--to", typed.to, "Goal X,Y [m]")->check(check_point);
   add_optional(*sub, "--site", request.site, "Which site (may be left out when there is one)");
   add_unknown(*sub, request.unknown);
   sub->add_flag("--partial", request.allow_partial,
                 "Plan as near as possible when there is no way");
   sub->add_option("--png", typed.plan.png, "Draw the map with the path into this file");
+  add_offline_plan(*sub, typed.offline);
+}
+
+void add_map(CLI::App& app, Typed& typed) {
+  auto* map = add(app, "map", "Draw a site's map; import, export or describe a store",
+                  "  cairn map --png yard.png\n"
+                  "  cairn map --png hall.png --site hall --scale 12\n"
+                  "  cairn map yard.cairn --png yard.png        a store, no server needed\n"
+                  "  cairn map import floor.yaml --site floor.cairn\n"
+                  "  cairn map export yard.cairn yard.tif\n"
+                  "  cairn map info yard.cairn --json");
+  map->add_option("--png", typed.map.png, "File to write");
+  add_optional(*map, "--site", typed.map.site, "Which site (may be left out when there is one)");
+  map->add_option("--scale", typed.map.scale, "Pixels per cell (default: by the map's size)")
+      ->check(CLI::Range(1, 64));
+  add_offline_map(*map, typed.offline);
 }
 
 void add_subcommands(CLI::App& app, Typed& typed) {
@@ -122,12 +142,7 @@ void add_subcommands(CLI::App& app, Typed& typed) {
       add(app, "stop", "Stop a robot where it is", "  cairn stop\n  cairn stop --robot r2");
   add_optional(*stop, "--robot", typed.stop.request.robot,
                "Which robot (may be left out when there is one)");
-  auto* map = add(app, "map", "Draw a site's map",
-                  "  cairn map --png yard.png\n  cairn map --png hall.png --site hall --scale 12");
-  map->add_option("--png", typed.map.png, "File to write")->required();
-  add_optional(*map, "--site", typed.map.site, "Which site (may be left out when there is one)");
-  map->add_option("--scale", typed.map.scale, "Pixels per cell (default: by the map's size)")
-      ->check(CLI::Range(1, 64));
+  add_map(app, typed);
   add(app, "watch", "Show the robots live until Ctrl-C", "  cairn watch\n  cairn watch --json");
   add_plan(app, typed);
   add(app, "link", "Show what each robot's link carries",
@@ -159,6 +174,16 @@ void add_globals(CLI::App& app, Typed& typed) {
 
 api::PointJson point_of(const std::string& checked) { return parse_point(checked).value(); }
 
+Command plan_command_of(Typed& typed) {
+  const bool way = !typed.from.empty() && !typed.to.empty();
+  if (!way && !typed.offline.scenarios) throw CLI::RequiredError("--from and --to");
+  if (way) {
+    typed.plan.request.from = point_of(typed.from);
+    typed.plan.request.to = point_of(typed.to);
+  }
+  return plan_command(typed.plan, typed.offline);
+}
+
 Command command_of(const CLI::App& app, Typed& typed) {
   if (app.got_subcommand("found")) return typed.found;
   if (app.got_subcommand("goto")) {
@@ -167,12 +192,10 @@ Command command_of(const CLI::App& app, Typed& typed) {
     return typed.go_to;
   }
   if (app.got_subcommand("stop")) return typed.stop;
-  if (app.got_subcommand("map")) return typed.map;
-  if (app.got_subcommand("plan")) {
-    typed.plan.request.from = point_of(typed.from);
-    typed.plan.request.to = point_of(typed.to);
-    return typed.plan;
+  if (app.got_subcommand("map")) {
+    return map_command(*app.get_subcommand("map"), typed.map, typed.offline);
   }
+  if (app.got_subcommand("plan")) return plan_command_of(typed);
   if (app.got_subcommand("link")) return LinkCommand{};
   if (app.got_subcommand("watch")) return WatchCommand{};
   return StatusCommand{};

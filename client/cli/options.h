@@ -6,7 +6,9 @@
 #include <variant>
 #include <vector>
 
+#include "client/offline/import_request.h"
 #include "core/common/result.h"
+#include "core/map/traversability.h"
 #include "proto/json/messages.h"
 
 /// What the operator typed, as values.
@@ -46,8 +48,39 @@ struct PlanCommand {
   std::string png;  ///< Empty: no picture.
 };
 
+// These work on a site's store, without a server.
+
+struct ImportCommand {
+  offline::ImportRequest request;
+};
+struct ExportCommand {
+  std::string store;
+  std::string file;
+  VehicleLimits limits;
+};
+struct InfoCommand {
+  std::string store;
+};
+struct DrawStoreCommand {
+  std::string store;
+  std::string png;
+  int scale = 0;  ///< As MapCommand's.
+};
+struct PlanOnStoreCommand {
+  std::string store;
+  PlanCommand plan;
+  VehicleLimits limits;
+};
+struct ScenariosCommand {
+  std::string store;
+  std::string file;
+  VehicleLimits limits;
+  std::string unknown = "blocked";
+};
+
 using Command = std::variant<StatusCommand, LinkCommand, WatchCommand, FoundCommand, GotoCommand,
-                             StopCommand, MapCommand, PlanCommand>;
+                             StopCommand, MapCommand, PlanCommand, ImportCommand, ExportCommand,
+                             InfoCommand, DrawStoreCommand, PlanOnStoreCommand, ScenariosCommand>;
 
 struct Invocation {
   ServerAddress server;
