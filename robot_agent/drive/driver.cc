@@ -81,6 +81,7 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
+  detours_ = 0;
   report(CommandState::accepted, "");
   follower_->advance({pose.x_m, pose.y_m});
 }
@@ -119,7 +120,7 @@ DriveCommand Driver::step(const Pose& pose, const CellLookup& cells, int cell_si
                           std::optional<Duration> silence) {
   if (!busy() || reason_to_end(pose, clock, silence)) return {};
   if (localization_ == LocalizationState::lost) return look_around(pose);
-  return follow(pose, cells, cell_size_mm, min_probability, clock);
+  return follow(pose, {cells, cell_size_mm, min_probability}, clock, silence);
 }
 
 void Driver::set_localization(LocalizationState state, const std::string& why) {
@@ -150,8 +151,8 @@ void Driver::arrive() {
       in_metres("the nearest place in reach, %.1f m from the goal", short_m));
 }
 
-DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_size_mm,
-                            std::uint8_t min_probability, MonotonicTime clock) {
+DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime clock,
+                            std::optional<Duration> silence) {
   const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
   follower_->advance(place_m);
   if ((follower_->end_m() - place_m).norm() <= config_.arrive_m) {
@@ -166,9 +167,8 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
     block(in_metres("the path is %.1f m away", follower_->off_path_m()), clock);
     return {};
   }
-  VehicleLimits limits = config_.limits;
-  limits.radius_m = std::max(0.0, limits.radius_m - config_.margin_m);
-  const LocalView view(cells, cell_size_mm, min_probability, place_m, config_.look_m + 1.0, limits);
+  const LocalView view(map.cells, map.cell_size_mm, map.min_probability, place_m,
+                       config_.look_m + 1.0, own_limits());
   if (backing_from_m_) {
     if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
     backing_from_m_.reset();
@@ -177,15 +177,25 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
   way.insert(way.begin(), place_m);
   const Ahead ahead = view.look_along(way, config_.look_m);
   if (ahead.clear_m < std::min(config_.stop_short_m, follower_->to_go_m())) {
-    block(in_metres("something closes the way %.1f m ahead", ahead.clear_m), clock);
+    wait_or_go_around(in_metres("something closes the way %.1f m ahead", ahead.clear_m),
+                      ahead.clear_m, pose, map, clock, silence);
     return {};
   }
   if (ahead.gap && ahead.gap->from_m < config_.stop_short_m) {
-    if (const auto command = before_gap(pose, view, *ahead.gap, clock)) return *command;
+    if (const auto command = look_into_gap(pose, view, *ahead.gap)) return *command;
+    if (!crossable(*ahead.gap)) {
+      wait_or_go_around("the ground ahead cannot be seen: it may be a drop", ahead.gap->from_m,
+                        pose, map, clock, silence);
+      return {};
+    }
   }
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
+  return follower_->steer(pose, speed_limit_m_s(ahead));
+}
+
+double Driver::speed_limit_m_s(const Ahead& ahead) const {
   double limit_m_s = std::sqrt(2.0 * config_.follower.deceleration_m_s2 *
                                std::max(0.0, ahead.clear_m - config_.stop_short_m * 0.5));
   if (ahead.known_m < config_.cautious_m)
@@ -193,11 +203,11 @@ DriveCommand Driver::follow(const Pose& pose, const CellLookup& cells, int cell_
   if (localization_ == LocalizationState::unsure) {
     limit_m_s = std::min(limit_m_s, config_.unsure_speed_m_s);
   }
-  return follower_->steer(pose, std::max(limit_m_s, config_.follower.creep_m_s));
+  return std::max(limit_m_s, config_.follower.creep_m_s);
 }
 
-std::optional<DriveCommand> Driver::before_gap(const Pose& pose, const LocalView& view,
-                                               const Gap& gap, MonotonicTime clock) {
+std::optional<DriveCommand> Driver::look_into_gap(const Pose& pose, const LocalView& view,
+                                                  const Gap& gap) {
   const DriveCommand turning = follower_->steer(pose, 0.0);
   if (turning.turn_rate_rad_s != 0.0) return turning;  // Look there first.
   if (times_backed_up_ < kMaxBackups) {
@@ -207,9 +217,7 @@ std::optional<DriveCommand> Driver::before_gap(const Pose& pose, const LocalView
     if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
     backing_from_m_.reset();
   }
-  if (gap.rise_m <= config_.crossable_slope * gap.length_m) return std::nullopt;
-  block("the ground ahead cannot be seen: it may be a drop", clock);
-  return DriveCommand{};
+  return std::nullopt;
 }
 
 DriveCommand Driver::back_up(const Pose& pose, const LocalView& view) {
@@ -222,6 +230,42 @@ DriveCommand Driver::back_up(const Pose& pose, const LocalView& view) {
   if (behind.clear_m < config_.room_behind_m || behind.known_m < config_.room_behind_m) return {};
   state_ = DriveState::driving;
   return {-config_.backing_speed_m_s, 0.0};
+}
+
+void Driver::wait_or_go_around(const std::string& why, double clear_m, const Pose& pose,
+                               const OwnMap& map, MonotonicTime clock,
+                               std::optional<Duration> silence) {
+  const Duration patience = blocked_reported_ ? kBlockedRepeat : kBlockedPatience;
+  const bool for_long = blocked_since_ != MonotonicTime{} && clock - blocked_since_ >= patience;
+  const bool alone = !silence || *silence > config_.alone_after;
+  if (for_long && go_around(clear_m, pose, map, alone)) return;
+  block(why, clock);
+}
+
+bool Driver::go_around(double clear_m, const Pose& pose, const OwnMap& map, bool alone) {
+  if (detours_ >= config_.most_detours) return false;
+  const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
+  std::vector<DetourReach> reaches{DetourReach::near};
+  if (alone) reaches.push_back(DetourReach::far);
+  for (const DetourReach reach : reaches) {
+    for (const VehicleLimits& limits : {config_.limits, own_limits()}) {
+      auto way_m = way_around(map, limits, place_m, follower_->ahead(), clear_m, reach);
+      if (!way_m) continue;
+      ++detours_;
+      follower_.emplace(config_.follower, std::move(*way_m));
+      follower_->advance(place_m);
+      state_ = DriveState::driving;
+      blocked_since_ = {};
+      return true;
+    }
+  }
+  return false;
+}
+
+VehicleLimits Driver::own_limits() const {
+  VehicleLimits limits = config_.limits;
+  limits.radius_m = std::max(0.0, limits.radius_m - config_.margin_m);
+  return limits;
 }
 
 void Driver::block(std::string why, MonotonicTime clock) {

@@ -10,6 +10,7 @@
 #include "core/pose/pose.h"
 #include "proto/codec/records.h"
 #include "proto/sync/robot_link.h"
+#include "robot_agent/drive/detour.h"
 #include "robot_agent/drive/local_view.h"
 #include "robot_agent/drive/path_follower.h"
 
@@ -39,12 +40,17 @@ struct DriverConfig {
   double unsure_speed_m_s = 0.25;  ///< [m/s] While the robot is not sure where it is.
   double look_around_rad_s = 0.5;  ///< [rad/s] A lost robot turns on the spot this fast.
   double room_behind_m = 0.5;      ///< [m] Known, open ground that backing up needs.
+  /// For one path. A robot that is closed in again and again leaves it to the server.
+  int most_detours = 20;
+  /// After so long a silence of the server the robot plans all the way to the goal by itself.
+  Duration alone_after = std::chrono::seconds(3);
 };
 
 /// Carries out commands: one at a time, newest wins. Stops by itself when the command expires, when
-/// the link is silent for too long (if the command says so), when the way is closed, and when the
-/// robot tilts. A robot that is not sure where it is drives slowly; a lost one does not drive, it
-/// looks around.
+/// the link is silent for too long (if the command says so) and when the robot tilts. Where the way
+/// is closed for more than a moment it goes around, on its own map; where it finds no way around it
+/// waits for the server's next path. A robot that is not sure where it is drives slowly; a lost one
+/// does not drive, it looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
@@ -78,11 +84,23 @@ class Driver {
   void block(std::string why, MonotonicTime clock);
   [[nodiscard]] std::optional<std::string> reason_to_end(const Pose& pose, MonotonicTime clock,
                                                          std::optional<Duration> silence);
-  DriveCommand follow(const Pose& pose, const CellLookup& cells, int cell_size_mm,
-                      std::uint8_t min_probability, MonotonicTime clock);
-  /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it may be crossed.
-  std::optional<DriveCommand> before_gap(const Pose& pose, const LocalView& view, const Gap& gap,
-                                         MonotonicTime clock);
+  DriveCommand follow(const Pose& pose, const OwnMap& map, MonotonicTime clock,
+                      std::optional<Duration> silence);
+  /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it must go around
+  /// it or, as `crossable` says, may creep over it.
+  std::optional<DriveCommand> look_into_gap(const Pose& pose, const LocalView& view,
+                                            const Gap& gap);
+  [[nodiscard]] bool crossable(const Gap& gap) const {
+    return gap.rise_m <= config_.crossable_slope * gap.length_m;
+  }
+  /// The way is closed `clear_m` ahead: waits a moment, then goes around, or else reports `why`.
+  void wait_or_go_around(const std::string& why, double clear_m, const Pose& pose,
+                         const OwnMap& map, MonotonicTime clock, std::optional<Duration> silence);
+  bool go_around(double clear_m, const Pose& pose, const OwnMap& map, bool alone);
+  /// What the robot itself insists on: `margin_m` less room than the server plans with.
+  [[nodiscard]] VehicleLimits own_limits() const;
+  /// [m/s] Slow enough to stop before what is closed, on unseen ground, and while unsure.
+  [[nodiscard]] double speed_limit_m_s(const Ahead& ahead) const;
   /// Lost: turns on the spot to see what is around, a few turns; then gives up.
   DriveCommand look_around(const Pose& pose);
   DriveCommand back_up(const Pose& pose, const LocalView& view);
@@ -102,6 +120,7 @@ class Driver {
   std::optional<double> last_yaw_rad_;         ///< While looking around.
   double looked_around_rad_ = 0.0;             ///< Since the robot was lost.
   int times_backed_up_ = 0;                    ///< For this command.
+  int detours_ = 0;                            ///< From this path.
   std::vector<proto::CommandReport> reports_;  ///< Bounded: emptied at every step.
 };
 

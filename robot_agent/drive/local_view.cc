@@ -16,14 +16,7 @@ HeightGrid gather(const CellLookup& cells, int cell_size_mm, std::uint8_t min_pr
   const auto cy = static_cast<std::int32_t>(std::floor(centre_m.y() / cell_m));
   auto grid = empty_grid({cx - reach, cy - reach}, {cx + reach, cy + reach}, cell_size_mm);
   assert(grid && "a window of a few metres is always within bounds");
-  for (std::int32_t y = cy - reach; y <= cy + reach; ++y) {
-    for (std::int32_t x = cx - reach; x <= cx + reach; ++x) {
-      const Cell cell = cells({x, y});
-      if (cell.probability < min_probability) continue;
-      grid->height_mm[grid->at({x, y})] = cell.height_mm;
-      grid->probability[grid->at({x, y})] = cell.probability;
-    }
-  }
+  copy_known(cells, min_probability, *grid);
   return std::move(*grid);
 }
 
@@ -53,6 +46,18 @@ PlannerConfig local_config(const VehicleLimits& limits) {
 }
 
 }  // namespace
+
+void copy_known(const CellLookup& cells, std::uint8_t min_probability, HeightGrid& grid) {
+  std::size_t at = 0;
+  for (std::int32_t y = 0; y < grid.height; ++y) {
+    for (std::int32_t x = 0; x < grid.width; ++x, ++at) {
+      const Cell cell = cells({grid.origin.x + x, grid.origin.y + y});
+      if (cell.probability < min_probability) continue;
+      grid.height_mm[at] = cell.height_mm;
+      grid.probability[at] = cell.probability;
+    }
+  }
+}
 
 LocalView::LocalView(const CellLookup& cells, int cell_size_mm, std::uint8_t min_probability,
                      const Eigen::Vector2d& centre_m, double reach_m, const VehicleLimits& limits)

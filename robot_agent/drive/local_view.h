@@ -14,6 +14,9 @@ namespace cairn::agent {
 /// What the driver may look at: the robot's own map, cell by cell.
 using CellLookup = std::function<Cell(CellIndex)>;
 
+/// Fills the grid from the robot's map; cells below `min_probability` stay unknown.
+void copy_known(const CellLookup& cells, std::uint8_t min_probability, HeightGrid& grid);
+
 /// A stretch of the way that nobody has seen.
 struct Gap {
   double from_m = 0.0;    ///< Way to its beginning.

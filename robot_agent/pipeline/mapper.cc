@@ -13,6 +13,9 @@ namespace cairn::agent {
 
 namespace {
 
+/// [1/255] Two beams below a surface, or four that grazed it.
+constexpr std::uint8_t kSeenThrough = 180;
+
 /// [submaps] A robot that turns on the spot for hours makes no way, but many submaps.
 constexpr std::size_t kMaxYoung = 64;
 /// [m] Around the robot is what lies within.
@@ -299,10 +302,10 @@ Cell Mapper::cell(CellIndex site_cell) const {
   Cell found = open->surface.cell(shifted);
   if (!found.known()) return before;
   found.height_mm += open->T_site_submap.z_mm;
-  // As in a fold, the higher surface wins, unless seen through.
+  // As in a fold, the higher surface wins, unless it was seen through.
   const bool higher = before.known() && std::int64_t{before.height_mm} - found.height_mm >
                                             config_.sensor_model.tolerance_mm;
-  return higher && !open->seen_through.cell(shifted).known() ? before : found;
+  return higher && open->seen_through.cell(shifted).probability < kSeenThrough ? before : found;
 }
 
 }  // namespace cairn::agent

@@ -86,6 +86,14 @@ class DriverTest : public ::testing::Test {
   void listen() {
     for (CommandReport& report : driver.take_reports()) reports.push_back(std::move(report));
   }
+  /// 0.5 m deep, 1 m wide, across the way.
+  void box_at(double x_m) {
+    cells = [x_m](CellIndex cell) {
+      const double ahead_m = cell.x * kCellM - x_m;
+      const bool box = ahead_m >= 0.0 && ahead_m < 0.5 && cell.y >= -4 && cell.y < 4;
+      return Cell{box ? 1000 : 0, 200};
+    };
+  }
   void wall_at(double x_m) {
     cells = [x_m](CellIndex cell) { return Cell{cell.x * kCellM >= x_m ? 1000 : 0, 200}; };
   }
@@ -296,16 +304,61 @@ TEST_F(DriverTest, SaysNothingOfAWayThatIsClosedForAMoment) {
 }
 
 TEST_F(DriverTest, DrivesOnAlongANewPathAfterItWasBlocked) {
-  cells = [](CellIndex cell) {
-    const bool box = cell.x >= 12 && cell.x < 16 && std::abs(cell.y) < 3;
-    return Cell{box ? 1000 : 0, 200};
-  };
+  wall_at(2.0);
   take(go_to(7, {{0, 0}, {4, 0}}));
   run(seconds(10));
   ASSERT_EQ(driver.state(), DriveState::blocked);
+  box_at(2.0);
   take(go_to(7, {testing::place_of(pose), {0.6, 2}, {4, 2}, {4, 0}}, 2));
   run(seconds(60));
   EXPECT_EQ(reports.back().state, CommandState::arrived);
+}
+
+TEST_F(DriverTest, GoesAroundABoxThatThePathDidNotKnow) {
+  box_at(2.0);
+  take(go_to(7, {{0, 0}, {6, 0}}));
+  for (const MonotonicTime end = clock + seconds(60); clock < end;) {
+    step();
+    const Eigen::Vector2d place_m = testing::place_of(pose);
+    const Eigen::Vector2d nearest_m =
+        place_m.cwiseMax(Eigen::Vector2d(2.0, -0.5)).cwiseMin(Eigen::Vector2d(2.5, 0.5));
+    ASSERT_GT((place_m - nearest_m).norm(), 0.35);
+  }
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::arrived));
+}
+
+TEST_F(DriverTest, GoesAroundOnGroundItHasSeenOnly) {
+  cells = [](CellIndex cell) {
+    const bool wall = cell.x == 16;
+    const bool seen = std::abs(cell.y) < 12;
+    return wall && seen ? Cell{1000, 200} : seen ? Cell{0, 200} : Cell{};
+  };
+  take(go_to(7, {{0, 0}, {4, 0}}));
+  run(seconds(20));
+  EXPECT_EQ(driver.state(), DriveState::blocked);
+  EXPECT_THAT(reports.back().why, HasSubstr("closes the way"));
+}
+
+/// 2 m ahead, open 12 m to the left: further than the robot looks around itself at first.
+Cell long_wall(CellIndex cell) {
+  return {cell.x >= 16 && cell.x < 18 && cell.y < 96 ? 1000 : 0, 200};
+}
+
+TEST_F(DriverTest, LeavesALongWayAroundToTheServer) {
+  cells = long_wall;
+  take(go_to(7, {{0, 0}, {4, 0}}));
+  run(seconds(10));
+  EXPECT_EQ(reports.back().state, CommandState::blocked);
+}
+
+TEST_F(DriverTest, FindsALongWayAroundByItselfWhenTheServerIsAway) {
+  cells = long_wall;
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {4, 0}});
+  order.command.on_link_loss = OnLinkLoss::proceed;
+  take(order);
+  silence = seconds(60);
+  run(seconds(120));
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::arrived));
 }
 
 TEST_F(DriverTest, StopsWhereTheGroundIsTooSteep) {
