@@ -7,18 +7,18 @@
 #include <tuple>
 #include <utility>
 
+#include "core/planner/field_walk.h"
+#include "core/planner/tighten.h"
 #include "core/planner/touched_cells.h"
 
 namespace cairn {
 namespace {
 
-/// [m] One unit of a field's cost.
-constexpr double kCostUnitM = 1e-4;
 /// [cells] A closed start is left by no longer way, however fine the map.
 constexpr double kMaxLeaveCells = 256;
 constexpr const char* kCutOff = "obstacles or steps cut the goal off from here";
 
-Path no_path(std::string why) { return {PathStatus::none, std::move(why), {}, 0.0, 0.0}; }
+Path no_path(std::string why) { return {PathStatus::none, std::move(why), {}, 0.0, 0.0, {}}; }
 
 double cell_m(const DrivableGrid& grid) { return grid.heights.cell_size_mm / 1000.0; }
 
@@ -86,14 +86,13 @@ std::string why_shut_in(const DrivableGrid& grid, CellIndex start) {
 std::optional<CellIndex> best_entrance(const Field& field, const DrivableGrid& grid,
                                        const std::vector<CellIndex>& entrances) {
   for (const CellIndex cell : entrances) {
-    if (field.cost[grid.heights.at(cell)] != kNoWay) return cell;
+    if (cost_to_goal(grid, field, cell) != kNoWay) return cell;
   }
   return {};
 }
 
 /// Of all cells that can be driven to from the entrances, the one whose middle is nearest the goal.
-CellIndex nearest_reachable(const DrivableGrid& grid, const PlannerConfig& config,
-                            const std::vector<CellIndex>& entrances,
+CellIndex nearest_reachable(const DrivableGrid& grid, const std::vector<CellIndex>& entrances,
                             const Eigen::Vector2d& goal_m) {
   const HeightGrid& heights = grid.heights;
   std::vector<bool> reached(grid.open.size());
@@ -111,7 +110,7 @@ CellIndex nearest_reachable(const DrivableGrid& grid, const PlannerConfig& confi
     waiting.pop_back();
     for (int d = 0; d < 8; ++d) {
       const CellIndex next{cell.x + kStepX[d], cell.y + kStepY[d]};
-      if (step_cost(grid, config, heights.at(cell), d) != kNoWay) reach(next);
+      if (step_cost(grid, cell, d) != kNoWay) reach(next);
     }
   }
   return {std::get<2>(nearest), std::get<1>(nearest)};
@@ -124,37 +123,117 @@ double length_m(const std::vector<Eigen::Vector2d>& points_m) {
   return length;
 }
 
+using Points = std::vector<Eigen::Vector2d>;
+
+/// From the true start over the cells' middles to the end: the first and last middles lie in the
+/// cells of the start and the end, which stand for them.
+Points over_middles(const DrivableGrid& grid, const std::vector<CellIndex>& cells,
+                    const Eigen::Vector2d& start_m, const Eigen::Vector2d& end_m) {
+  Points points_m{start_m};
+  for (std::size_t i = 1; i + 1 < cells.size(); ++i) points_m.push_back(middle_m(grid, cells[i]));
+  points_m.push_back(end_m);
+  return points_m;
+}
+
+/// [cost units] No way over cells is cheaper than this: the field says so of those between the
+/// middles, and the ends lie no farther from those than this says.
+double least_over_cells(const DrivableGrid& grid, const Field& field, CellIndex entrance,
+                        const Eigen::Vector2d& start_m, const Eigen::Vector2d& end_m) {
+  const double beside_m =
+      (start_m - middle_m(grid, entrance)).norm() + (end_m - middle_m(grid, field.goal)).norm();
+  return field.levelled[grid.ground_at(entrance)] - beside_m / grid.unit_m();
+}
+
+/// The cheaper of two ways, which have the same ends.
+const Points& cheaper(const LineCost& lines, const Points& a, const Points& b) {
+  return cost_along(lines, b) < cost_along(lines, a) ? b : a;
+}
+
+/// The best way down the field from `start_m`, which lies in the reached cell `entrance`, to
+/// `end_m` in the goal's. Never dearer than the cheapest way in steps from cell to cell.
+Points way_down(const DrivableGrid& grid, const Field& field, CellIndex entrance,
+                const Eigen::Vector2d& start_m, const Eigen::Vector2d& end_m) {
+  const LineCost lines(grid);
+  const auto over = [&](const std::vector<CellIndex>& cells) {
+    return tighten(lines, over_middles(grid, cells, start_m, end_m));
+  };
+  Points best_m = over(cells_down(grid, field, entrance));
+  const Points walked_m = walk_down(grid, field, lines, start_m, end_m);
+  if (!walked_m.empty()) best_m = cheaper(lines, best_m, tighten(lines, walked_m));
+  const double cost = cost_along(lines, best_m);
+  if (cost <= least_over_cells(grid, field, entrance, start_m, end_m)) return best_m;
+  const std::vector<CellIndex> cells =
+      cheapest_cells(grid, field, entrance, cost + 2 * kCellUnits);
+  return cells.empty() ? best_m : cheaper(lines, best_m, over(cells));
+}
+
 /// From the true start into the field at `entrance` and along it to its goal, ending at `end_m`.
 Path path_along(const DrivableGrid& grid, const Field& field, CellIndex entrance,
                 const PlanRequest& request, const Eigen::Vector2d& end_m) {
   const bool start_is_open = cell_at(grid, request.start_m) == entrance;
-  std::vector<Eigen::Vector2d> points_m{request.start_m};
-  const std::vector<CellIndex> cells = follow(field, entrance);
-  for (std::size_t i = start_is_open ? 1 : 0; i + 1 < cells.size(); ++i) {
-    points_m.push_back(middle_m(grid, cells[i]));
-  }
-  const bool leaves_into_goal_cell = !start_is_open && cells.size() == 1;
-  if (leaves_into_goal_cell) points_m.push_back(middle_m(grid, entrance));
-  points_m.push_back(end_m);
+  const Eigen::Vector2d first_m = start_is_open ? request.start_m : middle_m(grid, entrance);
+  Points points_m = way_down(grid, field, entrance, first_m, end_m);
+  if (!start_is_open) points_m.insert(points_m.begin(), request.start_m);
 
   Path path;
   path.points_m = simplify(grid, points_m, request.tolerance_m);
   path.length_m = length_m(path.points_m);
   const double leaving_m = start_is_open ? 0.0 : (points_m[1] - request.start_m).norm();
-  path.cost_m = leaving_m + field.cost[grid.heights.at(entrance)] * kCostUnitM;
+  path.cost_m = leaving_m + cost_to_goal(grid, field, entrance) * grid.unit_m();
   return path;
 }
 
-/// As near to the goal as can be driven. `why` is what keeps the robot from the goal itself.
-Path partial_path(const DrivableGrid& grid, const PlannerConfig& config, const PlanRequest& request,
+/// To a cell that can be reached. `why` is what keeps the robot from the goal itself.
+Path partial_path(const DrivableGrid& grid, CellIndex end, const PlanRequest& request,
                   const std::vector<CellIndex>& entrances, const std::string& why) {
-  const CellIndex end = nearest_reachable(grid, config, entrances, request.goal_m);
-  const Result<Field> field = compute_field(grid, end, config);
+  const Result<Field> field = compute_field(grid, end);
   const auto entrance = field ? best_entrance(*field, grid, entrances) : std::nullopt;
   if (!entrance) return no_path(why);
   Path path = path_along(grid, *field, *entrance, request, middle_m(grid, end));
   path.status = PathStatus::partial;
   path.why = why;
+  return path;
+}
+
+/// The last open cell on the best way over ground that nobody has seen, if there is such a way.
+std::optional<CellIndex> opening_frontier(const DrivableGrid& grid, CellIndex goal,
+                                          PlannerConfig config,
+                                          const std::vector<CellIndex>& entrances) {
+  config.unknown = UnknownGround::allowed;
+  const DrivableGrid all = make_drivable(grid.heights, config);
+  const Result<Field> field = compute_field(all, goal);
+  const auto entrance = field ? best_entrance(*field, all, entrances) : std::nullopt;
+  if (!entrance) return {};
+  CellIndex last = *entrance;
+  for (const CellIndex cell : cells_down(all, *field, *entrance)) {
+    if (!grid.open[grid.heights.at(cell)]) break;
+    last = cell;
+  }
+  return last;
+}
+
+std::string why_explore(const std::string& why, const Eigen::Vector2d& frontier_m) {
+  char text[96];
+  std::snprintf(text, sizeof text, "; exploring from (%.2f, %.2f) m on might open a way",
+                frontier_m.x(), frontier_m.y());
+  return why + text;
+}
+
+/// What there is to offer where `why` keeps the robot from the goal.
+Path second_best(const DrivableGrid& grid, const PlannerConfig& config, const PlanRequest& request,
+                 const std::vector<CellIndex>& entrances, std::string why) {
+  const auto goal = cell_at(grid, request.goal_m);
+  const auto frontier = config.unknown == UnknownGround::explore && goal
+                            ? opening_frontier(grid, *goal, config, entrances)
+                            : std::nullopt;
+  if (frontier) why = why_explore(why, middle_m(grid, *frontier));
+  Path path = no_path(why);
+  if (request.allow_partial) {
+    const CellIndex end =
+        frontier ? *frontier : nearest_reachable(grid, entrances, request.goal_m);
+    path = partial_path(grid, end, request, entrances, why);
+  }
+  if (frontier) path.frontier_m = middle_m(grid, *frontier);
   return path;
 }
 
@@ -172,7 +251,7 @@ Path plan(const DrivableGrid& grid, const PlanRequest& request, const PlannerCon
   const std::string closed = goal ? why_closed(grid, *goal) : "lies outside the map";
   std::string why = "the goal " + closed;
   if (closed.empty()) {
-    const Field field = compute_field(grid, *goal, config).value();
+    const Field field = compute_field(grid, *goal).value();
     if (const auto entrance = best_entrance(field, grid, ways_in)) {
       Path path = path_along(grid, field, *entrance, request, request.goal_m);
       path.status = PathStatus::complete;
@@ -180,27 +259,7 @@ Path plan(const DrivableGrid& grid, const PlanRequest& request, const PlannerCon
     }
     why = kCutOff;
   }
-  return request.allow_partial ? partial_path(grid, config, request, ways_in, why) : no_path(why);
-}
-
-std::vector<CellIndex> follow(const Field& field, CellIndex start) {
-  const auto at = [&field](std::int64_t x, std::int64_t y) {
-    return static_cast<std::size_t>(y * field.width + x);
-  };
-  std::int64_t x = std::int64_t{start.x} - field.origin.x;
-  std::int64_t y = std::int64_t{start.y} - field.origin.y;
-  std::vector<CellIndex> cells;
-  while (x >= 0 && y >= 0 && x < field.width && y < field.height &&
-         cells.size() < field.direction.size()) {
-    cells.push_back({static_cast<std::int32_t>(field.origin.x + x),
-                     static_cast<std::int32_t>(field.origin.y + y)});
-    const std::uint8_t direction = field.direction[at(x, y)];
-    if (direction == Field::kAtGoal) return cells;
-    if (direction > 7) return {};
-    x += kStepX[direction];
-    y += kStepY[direction];
-  }
-  return {};
+  return second_best(grid, config, request, ways_in, std::move(why));
 }
 
 }  // namespace cairn

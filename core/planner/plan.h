@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct Path {
   double length_m = 0.0;
   /// [m of level driving] along the field from the start; leaving a closed start counts its length.
   double cost_m = 0.0;
+  /// With UnknownGround::explore, where no way is known: the last place on known ground of the best
+  /// way over ground that nobody has seen. Looking on from there might open it (T4.3.2).
+  std::optional<Eigen::Vector2d> frontier_m;
 };
 
 struct PlanRequest {
@@ -37,12 +41,10 @@ struct PlanRequest {
 /// obstacle and no step beyond the limits. The path begins at the true start and, when complete,
 /// ends at the exact goal; a partial one ends at the middle of a cell. Goals outside the map, on an
 /// obstacle, too near one, unknown, or cut off give `none` with that reason, or `partial` when
-/// allowed. Non-finite coordinates give `none`.
+/// allowed; with UnknownGround::explore they say which frontier would open a way, and a partial path
+/// leads there. Non-finite coordinates give `none`. The grid must have been made with the config.
 [[nodiscard]] Path plan(const DrivableGrid& grid, const PlanRequest& request,
                         const PlannerConfig& config);
-
-/// The path along the field's directions from `start`, both ends included; empty when unreachable.
-[[nodiscard]] std::vector<CellIndex> follow(const Field& field, CellIndex start);
 
 /// Fewer points: drops those within `tolerance_m` of the line between kept ones (Douglas & Peucker
 /// 1973) where that line crosses only open cells, cutting no corner, and no step beyond the limits

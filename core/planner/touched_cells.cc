@@ -18,21 +18,22 @@ TouchedCells::TouchedCells(const Eigen::Vector2d& from_m, const Eigen::Vector2d&
                            double cell_m)
     : way_(to_m - from_m) {
   const bool eastward = from_m.x() <= to_m.x();
-  const Eigen::Vector2d west = (eastward ? from_m : to_m) / cell_m;
-  const Eigen::Vector2d east = (eastward ? to_m : from_m) / cell_m;
-  const double run = east.x() - west.x();
+  west_ = (eastward ? from_m : to_m) / cell_m;
+  east_ = (eastward ? to_m : from_m) / cell_m;
+  first_column_ = cell_of(west_.x() - kTouch);
+  last_column_ = cell_of(east_.x() + kTouch);
+}
+
+TouchedCells::Rows TouchedCells::rows_of(std::int32_t column) const {
+  const double run = east_.x() - west_.x();
   const auto row_at = [&](double x) {
-    return west.y() + (east.y() - west.y()) * std::clamp((x - west.x()) / run, 0.0, 1.0);
+    return west_.y() + (east_.y() - west_.y()) * std::clamp((x - west_.x()) / run, 0.0, 1.0);
   };
-  first_column_ = cell_of(west.x() - kTouch);
-  const std::int32_t last_column = cell_of(east.x() + kTouch);
-  for (std::int32_t column = first_column_; column <= last_column; ++column) {
-    // A line that hardly leaves its column has no slope worth asking for.
-    const bool upright = run < kTouch;
-    const double y0 = upright ? west.y() : row_at(column - kTouch);
-    const double y1 = upright ? east.y() : row_at(column + 1 + kTouch);
-    columns_.push_back({cell_of(std::min(y0, y1) - kTouch), cell_of(std::max(y0, y1) + kTouch)});
-  }
+  // A line that hardly leaves its column has no slope worth asking for.
+  const bool upright = run < kTouch;
+  const double y0 = upright ? west_.y() : row_at(column - kTouch);
+  const double y1 = upright ? east_.y() : row_at(column + 1 + kTouch);
+  return {cell_of(std::min(y0, y1) - kTouch), cell_of(std::max(y0, y1) + kTouch)};
 }
 
 bool steps_within_limits(const DrivableGrid& grid, const TouchedCells& line) {

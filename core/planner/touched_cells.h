@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <vector>
 
 #include "core/planner/trulla.h"
 
@@ -18,9 +17,10 @@ class TouchedCells {
   /// Whether holds(CellIndex) for every cell; stops at the first for which it does not.
   template <class Holds>
   [[nodiscard]] bool all(Holds&& holds) const {
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      for (std::int32_t y = columns_[i].lowest; y <= columns_[i].highest; ++y) {
-        if (!holds(CellIndex{column(i), y})) return false;
+    for (std::int32_t x = first_column_; x <= last_column_; ++x) {
+      const Rows rows = rows_of(x);
+      for (std::int32_t y = rows.lowest; y <= rows.highest; ++y) {
+        if (!holds(CellIndex{x, y})) return false;
       }
     }
     return true;
@@ -30,11 +30,11 @@ class TouchedCells {
   template <class Holds>
   [[nodiscard]] bool all_steps(Holds&& holds) const {
     return all([&](CellIndex cell) {
-      const auto i = static_cast<std::size_t>(cell.x - first_column_);
-      const bool up = cell.y == columns_[i].highest || step_holds(cell, 0, 1, holds);
-      if (!up || i + 1 == columns_.size()) return up;
-      const std::int32_t lowest = std::max(columns_[i + 1].lowest, cell.y - 1);
-      const std::int32_t highest = std::min(columns_[i + 1].highest, cell.y + 1);
+      const bool up = cell.y == rows_of(cell.x).highest || step_holds(cell, 0, 1, holds);
+      if (!up || cell.x == last_column_) return up;
+      const Rows next = rows_of(cell.x + 1);
+      const std::int32_t lowest = std::max(next.lowest, cell.y - 1);
+      const std::int32_t highest = std::min(next.highest, cell.y + 1);
       for (std::int32_t y = lowest; y <= highest; ++y) {
         if (!step_holds(cell, 1, y - cell.y, holds)) return false;
       }
@@ -48,9 +48,7 @@ class TouchedCells {
     std::int32_t highest;
   };
 
-  [[nodiscard]] std::int32_t column(std::size_t i) const {
-    return first_column_ + static_cast<std::int32_t>(i);
-  }
+  [[nodiscard]] Rows rows_of(std::int32_t column) const;
   /// Neighbours that lie side by side in the line's way are not stepped between.
   template <class Holds>
   [[nodiscard]] bool step_holds(CellIndex cell, int dx, int dy, Holds&& holds) const {
@@ -60,8 +58,10 @@ class TouchedCells {
   }
 
   Eigen::Vector2d way_;
+  Eigen::Vector2d west_;  ///< [cells]
+  Eigen::Vector2d east_;  ///< [cells]
   std::int32_t first_column_ = 0;
-  std::vector<Rows> columns_;
+  std::int32_t last_column_ = 0;
 };
 
 /// Whether every step along the line keeps the limits of climbing and descending. Ground outside

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -14,13 +16,14 @@ namespace cairn {
 enum class UnknownGround : std::uint8_t {
   blocked,  ///< Never: it might hide a drop.
   allowed,  ///< At `unknown_price` times the distance.
+  explore,  ///< Never, but a plan that finds no way tells which frontier might open one.
 };
 
 /// What makes one way better than another. Effort is in metres of level driving.
 struct PlannerConfig {
   VehicleLimits limits;
   UnknownGround unknown = UnknownGround::blocked;
-  double unknown_price = 3.0;   ///< [m/m] Cost of unknown ground per metre. [Limit: 1 … 100]
+  double unknown_price = 3.0;   ///< [m/m] Cost of unknown ground per metre. [Limit: 1 … 30]
   double climb_effort = 8.0;    ///< [m/m] Extra cost per metre of height gained. [Limit: 0 … 100]
   double descend_effort = 2.0;  ///< [m/m] Extra cost per metre of height lost. [Limit: 0 … 100]
 
@@ -30,7 +33,45 @@ struct PlannerConfig {
 /// Every fault in one sentence each, joined by "; ". Empty when it is sound.
 [[nodiscard]] std::string faults(const PlannerConfig& config);
 
-/// Where a vehicle's centre may be. Row by row as the grid it was made from.
+/// What driving costs, cell by cell, in whole numbers: computed once, read by every step of a wave.
+/// Rows are one cell longer than the map and there is one more below and above it, so that every
+/// cell has eight neighbours; those outside are closed.
+///
+/// Climbing and descending differ, and yet the waves may treat both alike: with effort c per metre
+/// up and d per metre down a step costs (c + d)/2 · |dz| + (c - d)/2 · dz, and the second part adds
+/// up to the same over every way between two cells. `lift` carries the first part; the second is
+/// charged once, at the end (see cost_to_goal).
+struct PricedGround {
+  int stride = 0;
+  std::int32_t datum_mm = 0;         ///< Height of lift 0.
+  std::vector<std::int32_t> lift;    ///< [cost units] Steps cost their difference, either way.
+  std::vector<std::uint16_t> price;  ///< [cost units] To cross the cell; 0 = closed. See kUneven.
+  double one_way = 0.0;              ///< (c - d) / (c + d)
+  bool uniform = true;               ///< No lift, and one price for all that is open.
+  bool uneven = false;               ///< Some price may be kUneven.
+
+  /// Set in a price: steps to some neighbour have rules of their own (unknown ground next to known
+  /// ground, a step that the vehicle manages one way only).
+  static constexpr std::uint16_t kUneven = 0x8000;
+  static constexpr std::uint16_t kPriceMask = 0x7fff;
+
+  /// Of the cell at column x and row y, both from -1 on.
+  [[nodiscard]] std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(stride) +
+           static_cast<std::size_t>(x + 1);
+  }
+  /// [cost units] The second part above, from lift 0 up to this cell.
+  [[nodiscard]] std::int32_t one_way_effort(std::size_t cell) const {
+    return static_cast<std::int32_t>(std::floor(lift[cell] * one_way));
+  }
+};
+
+/// Costs are whole numbers of the 985th part of one level cell's length, the same on every machine.
+/// 985 because its diagonal is 1393 to the seventh digit.
+inline constexpr std::int32_t kCellUnits = 985;
+
+/// Where a vehicle's centre may be and what it costs to be there. `classes` and `open` row by row
+/// as the heights.
 struct DrivableGrid {
   HeightGrid heights;
   std::vector<CellClass> classes;
@@ -38,11 +79,33 @@ struct DrivableGrid {
   /// radius (exact Euclidean distance between cell middles), and known unless unknown is allowed.
   std::vector<std::uint8_t> open;
   VehicleLimits limits;  ///< Of the vehicle that `classes` and `open` hold for.
+  PricedGround ground;
+
+  /// [m] One unit of cost.
+  [[nodiscard]] double unit_m() const { return heights.cell_size_mm / 1000.0 / kCellUnits; }
+  /// Where a cell lies in `ground` and in a field. Requires: heights.contains(cell).
+  [[nodiscard]] std::size_t ground_at(CellIndex cell) const {
+    return ground.at(cell.x - heights.origin.x, cell.y - heights.origin.y);
+  }
 };
 
 /// Time and memory grow with the number of cells, not with the radius.
 /// Requires: faults(config).empty().
 [[nodiscard]] DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config);
+
+/// Part of a grid: columns and rows from the lowest to the highest, counted from its origin.
+struct CellBox {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = -1;
+  int y1 = -1;
+
+  [[nodiscard]] bool empty() const { return x1 < x0 || y1 < y0; }
+};
+
+/// Computes `ground` anew inside the box, from the heights and what is open in and around it.
+/// Requires: the box lies in the grid.
+void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox& box);
 
 /// Why the vehicle's centre cannot be at `cell`, to follow "the goal ": "lies outside the map", "is
 /// on an obstacle", … Empty when it can.
@@ -52,44 +115,45 @@ struct DrivableGrid {
 inline constexpr int kStepX[8] = {1, 1, 0, -1, -1, -1, 0, 1};
 inline constexpr int kStepY[8] = {0, 1, 1, 1, 0, -1, -1, -1};
 
-/// [1e-4 m of level driving] to drive one step from cell `from` to its neighbour in `direction`, or
-/// kNoWay: the neighbour is closed or outside, a diagonal would cut the corner of a closed cell,
-/// or the height step is beyond the limits in this direction. Climbing and descending differ.
-/// `from` itself need not be open (a robot may have to leave a tight place).
+/// [cost units] To drive one step from cell `from` to its neighbour in `direction`, or kNoWay: one
+/// of the two is closed or outside, a diagonal would cut the corner of a closed cell, or the height
+/// step is beyond the limits in this direction. Climbing and descending differ.
 ///
-/// The cost is the step's length, round(cell_mm · 10) or round(cell_mm · 10 · √2), each half priced
-/// by the cell it lies in: 1 on known ground, `unknown_price` on unknown. Between two known cells
-/// comes |dz| · climb_effort or |dz| · descend_effort on top; next to an unknown cell no effort and
-/// no limit of height applies. Price and efforts are rounded to 1/1000, length and effort of the
-/// step to 1e-4 m, so costs are whole numbers and the same on every machine.
-/// A single step that costs kNoWay or more is kNoWay.
-[[nodiscard]] std::uint32_t step_cost(const DrivableGrid& grid, const PlannerConfig& config,
-                                      std::size_t from, int direction);
+/// The cost is the step's length times the price of the cell it leaves (1 on known ground,
+/// `unknown_price` on unknown); between two known cells comes the effort of the height step on top:
+/// climb_effort per metre up, descend_effort per metre down. Next to an unknown cell no effort and
+/// no limit of height applies.
+[[nodiscard]] std::uint32_t step_cost(const DrivableGrid& grid, CellIndex from, int direction);
 inline constexpr std::uint32_t kNoWay = std::numeric_limits<std::uint32_t>::max();
 
 /// Trulla's field (T2.2.4): for every cell from which the goal can be reached the cost to get
-/// there and the step to take first.
+/// there, driving in any direction. Its value at a cell is the least of, for each of the eight
+/// triangles that the cell forms with two neighbours side by side (one axial, one diagonal), the
+/// cost of driving straight to the best point between the two plus the cost from there, linear
+/// between theirs (Philippsen & Siegwart 2005; Ferguson & Stentz 2006). No triangle reaches around
+/// the corner of a closed cell. As every value rests on lower ones alone, there is exactly one such
+/// field, whatever the order of work.
 struct Field {
   CellIndex origin;
   int width = 0;
   int height = 0;
   CellIndex goal;
-  /// [1e-4 m of level driving]; kNoWay = not reachable. Closed cells have no cost, though one may
-  /// step out of them. Ways of 429 km of level driving and more count as not reachable.
-  std::vector<std::uint32_t> cost;
-  std::vector<std::uint8_t> direction;  ///< 0 … 7, kAtGoal or kNoDirection.
+  /// [cost units] In the layout of PricedGround, its one-way part left out; from kUnreached on
+  /// there is no way to the goal, which is also said of ways of more than a million level cells.
+  std::vector<std::int32_t> levelled;
 
-  static constexpr std::uint8_t kAtGoal = 8;
-  static constexpr std::uint8_t kNoDirection = 255;
+  static constexpr std::int32_t kUnreached = 0x3fffffff;
+  static constexpr std::int32_t kClosed = 0x40000000;
 };
 
-/// Radiates from the goal over all that is reachable; the most desirable way to a cell wins (of
-/// equals, the first in the order of directions: the field depends on the grid alone). Costs are
-/// those of step_cost, driven *towards* the goal. Linear in the number of cells while no step costs
-/// more than about 250 steps on level ground.
+/// [cost units] From a cell to the field's goal; kNoWay where there is no way, also for cells
+/// outside. The field must be of this grid.
+[[nodiscard]] std::uint32_t cost_to_goal(const DrivableGrid& grid, const Field& field,
+                                         CellIndex cell);
+
+/// Radiates from the goal over all that is reachable.
 /// invalid_argument when the goal is outside the grid or closed (the message says which).
-/// Requires: faults(config).empty(), grid made with the same config.
-[[nodiscard]] Result<Field> compute_field(const DrivableGrid& grid, CellIndex goal,
-                                          const PlannerConfig& config);
+/// Requires: grid made by make_drivable.
+[[nodiscard]] Result<Field> compute_field(const DrivableGrid& grid, CellIndex goal);
 
 }  // namespace cairn

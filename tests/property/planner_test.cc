@@ -3,8 +3,9 @@
 #include <cmath>
 #include <random>
 
+#include "core/planner/field_walk.h"
 #include "core/planner/plan.h"
-#include "tests/support/plain_dijkstra.h"
+#include "tests/support/plain_field.h"
 
 namespace cairn {
 namespace {
@@ -56,6 +57,7 @@ struct Problem {
         grid(make_drivable(random_grid(random, relief_mm), config)),
         goal(random_cell(grid.heights, random)) {
     grid.open[grid.heights.at(goal)] = 1;
+    price_ground(grid, config, {0, 0, grid.heights.width - 1, grid.heights.height - 1});
   }
 
   std::mt19937 random;
@@ -64,36 +66,48 @@ struct Problem {
   CellIndex goal;
 };
 
-TEST(PlannerProperty, CostsAreThoseOfPlainDijkstra) {
-  for (unsigned seed = 0; seed < 2000; ++seed) {
+TEST(PlannerProperty, FieldIsTheOnlyOneThatKeepsItsOwnRule) {
+  for (unsigned seed = 0; seed < 1500; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Problem p(seed);
-    const auto field = compute_field(p.grid, p.goal, p.config);
-    ASSERT_TRUE(field);
-    ASSERT_EQ(field->cost, test::plain_dijkstra(p.grid, p.goal, p.config));
+    const Field field = compute_field(p.grid, p.goal).value();
+    ASSERT_EQ(test::costs(p.grid, field), test::plain_field(p.grid, p.goal));
   }
 }
 
-TEST(PlannerProperty, DirectionsKeepThePromisedCostAndLeadToTheGoal) {
-  for (unsigned seed = 0; seed < 1000; ++seed) {
+TEST(PlannerProperty, FieldIsNeverDearerThanStepsFromCellToCell) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Problem p(seed);
-    const Field field = compute_field(p.grid, p.goal, p.config).value();
-    for (std::size_t i = 0; i < field.cost.size(); ++i) {
-      const CellIndex cell = cell_of(p.grid.heights, i);
-      if (field.cost[i] == kNoWay) {
-        ASSERT_EQ(field.direction[i], Field::kNoDirection);
-        continue;
+    const Field field = compute_field(p.grid, p.goal).value();
+    const auto costs = test::costs(p.grid, field);
+    const auto in_steps = test::plain_dijkstra(p.grid, p.goal);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      ASSERT_EQ(costs[i] == kNoWay, in_steps[i] == kNoWay);
+      ASSERT_LE(costs[i], in_steps[i]);
+      ASSERT_GE(costs[i] * 1.09 + 1, costs[i] == kNoWay ? 0 : in_steps[i]);
+    }
+  }
+}
+
+TEST(PlannerProperty, CellsDownLeadToTheGoalInDrivableStepsWithFallingCost) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Problem p(seed);
+    const Field field = compute_field(p.grid, p.goal).value();
+    for (const CellIndex start : test::cells_of(p.grid.heights)) {
+      if (cost_to_goal(p.grid, field, start) == kNoWay) continue;
+      const std::vector<CellIndex> cells = cells_down(p.grid, field, start);
+      ASSERT_EQ(cells.back(), p.goal);
+      for (std::size_t i = 1; i < cells.size(); ++i) {
+        ASSERT_LT(cost_to_goal(p.grid, field, cells[i]), cost_to_goal(p.grid, field, cells[i - 1]));
+        bool is_step = false;
+        for (int d = 0; d < 8; ++d) {
+          const CellIndex next{cells[i - 1].x + kStepX[d], cells[i - 1].y + kStepY[d]};
+          is_step = is_step || (next == cells[i] && step_cost(p.grid, cells[i - 1], d) != kNoWay);
+        }
+        ASSERT_TRUE(is_step);
       }
-      if (cell == p.goal) {
-        ASSERT_EQ(field.direction[i], Field::kAtGoal);
-        continue;
-      }
-      const int d = field.direction[i];
-      const CellIndex next{cell.x + kStepX[d], cell.y + kStepY[d]};
-      ASSERT_EQ(field.cost[i],
-                step_cost(p.grid, p.config, i, d) + field.cost[p.grid.heights.at(next)]);
-      ASSERT_EQ(follow(field, cell).back(), p.goal);
     }
   }
 }
@@ -125,12 +139,13 @@ TEST(PlannerProperty, OnFlatMapsReachesWhatABreadthFirstSearchReaches) {
   for (unsigned seed = 0; seed < 1000; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Problem p(seed, 0);
-    const Field field = compute_field(p.grid, p.goal, p.config).value();
+    const Field field = compute_field(p.grid, p.goal).value();
     const std::vector<bool> reached = flood(p.grid, p.goal);
     // The goal's own ground may be a block: then steps onto it are what the limits are about.
     if (p.grid.classes[p.grid.heights.at(p.goal)] == CellClass::obstacle) continue;
-    for (std::size_t i = 0; i < field.cost.size(); ++i) {
-      ASSERT_EQ(field.cost[i] != kNoWay, reached[i]) << "cell " << i;
+    const auto costs = test::costs(p.grid, field);
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      ASSERT_EQ(costs[i] != kNoWay, reached[i]) << "cell " << i;
     }
   }
 }
@@ -184,12 +199,11 @@ TEST(PlannerProperty, PathsFromOpenCellsStayOpenAndKeepTheFieldsCost) {
     PlanRequest request{point_in(start, p.random), point_in(p.goal, p.random)};
     request.tolerance_m = 0.05 * below(p.random, 10);
     const Path path = plan(p.grid, request, p.config);
-    const auto costs = test::plain_dijkstra(p.grid, p.goal, p.config);
-    const std::uint32_t cost = costs[p.grid.heights.at(start)];
+    const std::uint32_t cost = test::plain_field(p.grid, p.goal)[p.grid.heights.at(start)];
     ASSERT_EQ(path.status, cost == kNoWay ? PathStatus::none : PathStatus::complete);
     if (path.status == PathStatus::none) continue;
     ++complete;
-    ASSERT_NEAR(path.cost_m, cost * 1e-4, 1e-9);
+    ASSERT_NEAR(path.cost_m, cost * p.grid.unit_m(), 1e-9);
     ASSERT_EQ(path.points_m.front(), request.start_m);
     ASSERT_EQ(path.points_m.back(), request.goal_m);
     walk(path.points_m, [&](const Eigen::Vector2d& point) {
@@ -222,7 +236,7 @@ TEST(PlannerProperty, PartialPathsEndAtTheReachablePlaceNearestTheGoal) {
     for (std::size_t i = 0; i < p.grid.open.size(); ++i) {
       const CellIndex end = cell_of(p.grid.heights, i);
       if (!p.grid.open[i] || (middle(end) - goal_m).norm() > distance_m - 1e-6) continue;
-      const auto costs = test::plain_dijkstra(p.grid, end, p.config);
+      const auto costs = test::plain_dijkstra(p.grid, end);
       ASSERT_EQ(costs[p.grid.heights.at(start)], kNoWay) << "cell " << i << " is nearer";
     }
   }

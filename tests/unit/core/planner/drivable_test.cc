@@ -77,7 +77,7 @@ TEST(PlannerConfig, NamesEveryFaultAtOnce) {
   config.descend_effort = 101;
   EXPECT_EQ(faults(config),
             "climb_mm must not be negative; descend_mm must not be negative; radius_m must be from "
-            "0 to 10; unknown_price must be from 1 to 100; climb_effort must be from 0 to 100; "
+            "0 to 10; unknown_price must be from 1 to 30; climb_effort must be from 0 to 100; "
             "descend_effort must be from 0 to 100");
 }
 

@@ -1,0 +1,186 @@
+#include "core/planner/ground.h"
+
+namespace cairn {
+namespace {
+
+/// [cost units] Lifts beyond are cut off: far more than any slope that a vehicle climbs adds up to.
+constexpr double kHighestLift = 1 << 27;
+
+/// Turns heights and classes into prices, row by row.
+class Pricing {
+ public:
+  Pricing(DrivableGrid& grid, const PlannerConfig& config)
+      : grid_(grid),
+        ground_(grid.ground),
+        units_per_mm_((config.climb_effort + config.descend_effort) / 2 * kCellUnits /
+                      grid.heights.cell_size_mm),
+        unknown_price_(static_cast<std::uint16_t>(std::lround(config.unknown_price * kCellUnits))),
+        some_uneven_(config.unknown == UnknownGround::allowed ||
+                     config.limits.climb_mm != config.limits.descend_mm) {}
+
+  void price(const CellBox& box, bool look_for_uneven) {
+    for (int y = box.y0; y <= box.y1; ++y) {
+      if (units_per_mm_ > 0) lift_row(y, box.x0, box.x1);
+      price_row(y, box.x0, box.x1);
+    }
+    if (!look_for_uneven && !some_uneven_) return;
+    for (int y = box.y0; y <= box.y1; ++y) mark_row(y, box.x0, box.x1);
+  }
+
+ private:
+  [[nodiscard]] std::size_t height_at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.heights.width) +
+           static_cast<std::size_t>(x);
+  }
+
+  /// Unknown cells carry on the lift of the one before: it only has to be something near.
+  void lift_row(int y, int x0, int x1) {
+    const std::int32_t* height = grid_.heights.height_mm.data() + height_at(0, y);
+    const std::uint8_t* probability = grid_.heights.probability.data() + height_at(0, y);
+    std::int32_t* lift = ground_.lift.data() + ground_.at(0, y);
+    bool lifted = false;
+    for (int x = x0; x <= x1; ++x) {
+      const double exact = (static_cast<double>(height[x]) - ground_.datum_mm) * units_per_mm_;
+      const auto own =
+          static_cast<std::int32_t>(std::floor(std::clamp(exact, -kHighestLift, kHighestLift) + 0.5));
+      lift[x] = probability[x] != 0 ? own : lift[x - 1];
+      lifted = lifted || lift[x] != 0;
+    }
+    if (lifted) ground_.uniform = false;
+  }
+
+  void price_row(int y, int x0, int x1) {
+    const std::uint8_t* open = grid_.open.data() + height_at(0, y);
+    const std::uint8_t* probability = grid_.heights.probability.data() + height_at(0, y);
+    std::uint16_t* price = ground_.price.data() + ground_.at(0, y);
+    bool other_price = false;
+    for (int x = x0; x <= x1; ++x) {
+      const std::uint16_t known = kCellUnits;
+      price[x] = open[x] == 0 ? std::uint16_t{0} : probability[x] != 0 ? known : unknown_price_;
+      other_price = other_price || (price[x] != 0 && price[x] != kCellUnits);
+    }
+    if (other_price) ground_.uniform = false;
+  }
+
+  void mark_row(int y, int x0, int x1) {
+    for (int x = x0; x <= x1; ++x) {
+      std::uint16_t& price = ground_.price[ground_.at(x, y)];
+      if (price == 0 || !uneven(x, y)) continue;
+      price |= PricedGround::kUneven;
+      ground_.uneven = true;
+    }
+  }
+
+  [[nodiscard]] bool uneven(int x, int y) const {
+    for (int d = 0; d < 8; ++d) {
+      const int other_x = x + kStepX[d];
+      const int other_y = y + kStepY[d];
+      if (ground_.price[ground_.at(other_x, other_y)] == 0) continue;
+      if (special_step(height_at(x, y), height_at(other_x, other_y))) return true;
+    }
+    return false;
+  }
+
+  /// Whether a step from or to unknown ground, or beyond the limits either way.
+  [[nodiscard]] bool special_step(std::size_t a, std::size_t b) const {
+    const HeightGrid& heights = grid_.heights;
+    if (heights.probability[a] == 0 || heights.probability[b] == 0) return true;
+    const std::int64_t rise_mm = std::int64_t{heights.height_mm[b]} - heights.height_mm[a];
+    return std::abs(rise_mm) > std::min(grid_.limits.climb_mm, grid_.limits.descend_mm);
+  }
+
+  DrivableGrid& grid_;
+  PricedGround& ground_;
+  double units_per_mm_;
+  std::uint16_t unknown_price_;
+  bool some_uneven_;
+};
+
+}  // namespace
+
+void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox& box) {
+  PricedGround& ground = grid.ground;
+  const bool first_time = ground.stride == 0;
+  if (first_time) {
+    const HeightGrid& heights = grid.heights;
+    ground.stride = heights.width + 1;
+    const std::size_t cells = ground.at(0, heights.height + 1);
+    ground.lift.resize(cells);
+    ground.price.resize(cells);
+    const auto known = std::find_if(heights.probability.begin(), heights.probability.end(),
+                                    [](std::uint8_t p) { return p != 0; });
+    if (known != heights.probability.end()) {
+      ground.datum_mm = heights.height_mm[static_cast<std::size_t>(known - heights.probability.begin())];
+    }
+    const double sum = config.climb_effort + config.descend_effort;
+    ground.one_way = sum > 0 ? (config.climb_effort - config.descend_effort) / sum : 0.0;
+  }
+  // Classification leaves no step that is forbidden both ways between free cells.
+  Pricing(grid, config).price(box, !first_time);
+}
+
+std::int32_t GroundReader::effort(std::size_t from, int direction) const {
+  const HeightGrid& heights = grid_.heights;
+  const std::size_t to = from + static_cast<std::size_t>(step(direction));
+  const std::size_t a = height_at(from);
+  const std::size_t b = height_at(to);
+  if (heights.probability[a] == 0 || heights.probability[b] == 0) {
+    // No effort, and so the levelled costs have to lose what they were levelled by.
+    return ground_.one_way_effort(from) - ground_.one_way_effort(to);
+  }
+  const std::int64_t rise_mm = std::int64_t{heights.height_mm[b]} - heights.height_mm[a];
+  const bool possible = rise_mm <= grid_.limits.climb_mm && -rise_mm <= grid_.limits.descend_mm;
+  return possible ? std::abs(ground_.lift[to] - ground_.lift[from]) : Field::kClosed;
+}
+
+Offers GroundReader::uneven(const std::int32_t* levelled, std::size_t cell) const {
+  std::int32_t neighbour[8];
+  Offers offers;
+  for (int d = 0; d < 8; ++d) {
+    const std::size_t other = cell + static_cast<std::size_t>(step(d));
+    neighbour[d] = levelled[other];
+    const bool reached = neighbour[d] < Field::kUnreached;
+    const std::int32_t more = reached ? effort(cell, d) : Field::kClosed;
+    offers.cost[d] = more < Field::kClosed ? neighbour[d] + more : Field::kClosed;
+  }
+  close_corners(offers, neighbour);
+  return offers;
+}
+
+std::uint32_t step_cost(const DrivableGrid& grid, CellIndex from, int direction) {
+  const CellIndex to{from.x + kStepX[direction], from.y + kStepY[direction]};
+  if (!grid.heights.contains(from) || !grid.heights.contains(to)) return kNoWay;
+  const GroundReader ground(grid);
+  const auto closed = [&](int x, int y) { return ground.closed(grid.ground_at({x, y})); };
+  const std::size_t cell = grid.ground_at(from);
+  if (ground.closed(cell) || closed(to.x, to.y)) return kNoWay;
+  const bool diagonal = (direction & 1) != 0;
+  if (diagonal && (closed(from.x, to.y) || closed(to.x, from.y))) return kNoWay;
+  const std::int32_t effort = ground.effort(cell, direction);
+  if (effort >= Field::kClosed) return kNoWay;
+  const std::int32_t price = ground.price(cell);
+  const std::int32_t one_way =
+      grid.ground.one_way_effort(grid.ground_at(to)) - grid.ground.one_way_effort(cell);
+  return static_cast<std::uint32_t>((diagonal ? diagonal_units(price) : price) + effort + one_way);
+}
+
+Field unreached_field(const DrivableGrid& grid, CellIndex goal) {
+  const std::vector<std::uint16_t>& price = grid.ground.price;
+  Field field{grid.heights.origin, grid.heights.width, grid.heights.height, goal, {}};
+  field.levelled.resize(price.size());
+  std::transform(price.begin(), price.end(), field.levelled.begin(), [](std::uint16_t p) {
+    return p != 0 ? Field::kUnreached : Field::kClosed;
+  });
+  return field;
+}
+
+std::uint32_t cost_to_goal(const DrivableGrid& grid, const Field& field, CellIndex cell) {
+  if (!grid.heights.contains(cell)) return kNoWay;
+  const std::size_t at = grid.ground_at(cell);
+  if (field.levelled[at] >= Field::kUnreached) return kNoWay;
+  const std::int32_t back =
+      grid.ground.one_way_effort(grid.ground_at(field.goal)) - grid.ground.one_way_effort(at);
+  return static_cast<std::uint32_t>(field.levelled[at] + back);
+}
+
+}  // namespace cairn
