@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,14 +82,20 @@ int main() {
     ratios += report->mean_ratio * static_cast<double>(report->scenarios);
   }
   fs::remove_all(folder);
+  using cairn::bench::Better;
   cairn::bench::Report figures("movingai");
-  figures.add("scenarios", static_cast<double>(all.scenarios));
-  figures.add("disagreements", static_cast<double>(all.disagreements));
-  figures.add("invalid", static_cast<double>(all.invalid));
-  figures.add("longer", static_cast<double>(all.longer));
-  figures.add("mean_ratio", ratios / static_cast<double>(std::max<std::size_t>(all.scenarios, 1)));
-  figures.add("worst_ratio", all.worst_ratio);
-  figures.add("seconds", all.seconds);
-  figures.print();
+  const auto add = [&figures](const char* what, double value, const char* unit, auto goal) {
+    figures.add({what, value, unit, Better::lower, goal, {}});
+  };
+  const auto count = [](std::size_t value) { return static_cast<double>(value); };
+  const std::optional<double> no_goal;
+  add("scenarios", count(all.scenarios), "", no_goal);
+  add("disagreements on reachable", count(all.disagreements), "", 0.0);
+  add("paths not valid", count(all.invalid), "", 0.0);
+  add("paths longer than the octile optimum", count(all.longer), "", 0.0);
+  add("length / optimum, mean", ratios / std::max(count(all.scenarios), 1.0), "", no_goal);
+  add("length / optimum, worst", all.worst_ratio, "", no_goal);
+  add("time", all.seconds, "s", no_goal);
+  figures.print(std::cout);
   return all.good() ? 0 : 1;
 }
