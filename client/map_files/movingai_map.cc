@@ -25,8 +25,8 @@ Result<std::int64_t> size_of(Words& words) {
 
 /// The four lines before the rows, in any order up to "map".
 Result<RasterFrame> read_head(Words& words) {
-  std::int64_t columns = -1;
-  std::int64_t rows = -1;
+  std::optional<std::int64_t> columns;
+  std::optional<std::int64_t> rows;
   bool typed = false;
   for (;;) {
     auto key = word_of(words);
@@ -45,11 +45,11 @@ Result<RasterFrame> read_head(Words& words) {
       return words.bad("is no Moving AI map: expected type, height, width or map");
     }
   }
-  if (!typed || columns < 0 || rows < 0) {
+  if (!typed || !columns || !rows) {
     return words.bad("type, height and width must come before map");
   }
   RasterFrame frame;
-  if (auto sized = set_size(frame, columns, rows); !sized) {
+  if (auto sized = set_size(frame, *columns, *rows); !sized) {
     return Error{sized.error().code, words.bad(sized.error().message).message};
   }
   return frame;

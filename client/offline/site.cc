@@ -68,6 +68,12 @@ std::uint64_t size_on_disk(const std::string& file) {
 Result<OpenStore> open_store(const std::string& file) {
   if (auto readable = map_files::check_readable(file); !readable) return readable.error();
   auto store = server::SqliteStore::open(file);
+  if (!store && store.error().code == ErrorCode::conflict) {
+    return Error{ErrorCode::conflict,
+                 file +
+                     " is held by a running cairn-server: stop that first, or ask it by leaving "
+                     "the store out"};
+  }
   if (!store) return store.error();
   const auto notes = (*store)->notes();
   if (!notes) return notes.error();

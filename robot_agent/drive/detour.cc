@@ -66,14 +66,11 @@ std::optional<DrivableGrid> ground_between(const OwnMap& map, const VehicleLimit
 /// the robot (climbing and descending taken as equal: this only chooses among them).
 std::optional<Rejoin> best_rejoin(const DrivableGrid& grid, const OwnMap& map,
                                   const Field& from_robot, const std::vector<Rejoin>& places) {
-  constexpr double kCostUnitM = 1e-4;
   double least_m = std::numeric_limits<double>::infinity();
   std::optional<Rejoin> best;
   for (const Rejoin& place : places) {
-    const CellIndex cell = cell_at(map, place.place_m);
-    if (!grid.heights.contains(cell)) continue;
-    const std::uint32_t cost = from_robot.cost[grid.heights.at(cell)];
-    const double way_m = cost * kCostUnitM + place.to_go_m;
+    const std::uint32_t cost = cost_to_goal(grid, from_robot, cell_at(map, place.place_m));
+    const double way_m = cost * grid.unit_m() + place.to_go_m;
     if (cost == kNoWay || way_m >= least_m) continue;
     least_m = way_m;
     best = place;
@@ -105,7 +102,7 @@ std::optional<std::vector<Eigen::Vector2d>> way_around(const OwnMap& map,
   }
   const auto grid = ground_between(map, limits, place_m, place_m, kNearReachM);
   if (!grid) return std::nullopt;
-  const auto from_robot = compute_field(*grid, cell_at(map, place_m), planning_within(limits));
+  const auto from_robot = compute_field(*grid, cell_at(map, place_m));
   if (!from_robot) return std::nullopt;
   const auto back = best_rejoin(*grid, map, *from_robot, rejoins(ahead_m, clear_m));
   if (!back) return std::nullopt;

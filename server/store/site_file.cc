@@ -102,7 +102,7 @@ Status check_format(sqlite::Database& database, const fs::path& file) {
   const auto magic = database.query_integer("PRAGMA application_id");
   if (!magic) return magic.error();
   if (*magic != kSiteFileMagic) {
-    return Error{ErrorCode::corrupt, file.string() + " is no Cairn site file: check --data"};
+    return Error{ErrorCode::corrupt, file.string() + " is no Cairn site file"};
   }
   const auto version = database.query_integer("PRAGMA user_version");
   if (!version) return version.error();

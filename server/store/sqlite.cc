@@ -22,7 +22,7 @@ Error error_of(sqlite3* database, int code) {
       return {ErrorCode::conflict,
               file + " is held by another cairn-server: stop it or use another --data"};
     case SQLITE_NOTADB:
-      return {ErrorCode::corrupt, file + " is no Cairn site file: check --data"};
+      return {ErrorCode::corrupt, file + " is no Cairn site file"};
     case SQLITE_CORRUPT:
       return {ErrorCode::corrupt,
               file + " is damaged (" + why + "): stop and restore it from a backup"};

@@ -77,22 +77,71 @@ TEST(Arguments, TakeOptionsFromAFileAndRefuseUnknownKeys) {
   EXPECT_THAT(refused.err, HasSubstr("sevrer"));
 }
 
+TEST(Arguments, AStoreMeansNoServer) {
+  const auto plan = command<PlanOnStoreCommand>(
+      {"plan", "yard.cairn", "--from", "-1,2", "--to", "3,4", "--radius", "0.3", "--climb", "0.2",
+       "--descend", "0.15", "--unknown", "allowed", "--png", "p.png"});
+  EXPECT_EQ(plan.store, "yard.cairn");
+  EXPECT_EQ(plan.limits, (VehicleLimits{200, 150, 0.3}));
+  EXPECT_EQ(plan.plan.request.from.x_m, -1.0);
+  EXPECT_EQ(plan.plan.request.unknown, "allowed");
+  EXPECT_EQ(command<PlanOnStoreCommand>({"plan", "s", "--from", "1,2", "--to", "3,4"}).limits,
+            VehicleLimits{});
+  EXPECT_EQ(command<DrawStoreCommand>({"map", "yard.cairn", "--png", "m.png"}).store, "yard.cairn");
+  EXPECT_EQ(command<MapCommand>({"map", "--png", "m.png"}).png, "m.png");
+}
+
+TEST(Arguments, ScenariosArePlannedForAPoint) {
+  const auto scenarios = command<ScenariosCommand>({"plan", "a.cairn", "--scen", "a.scen"});
+  EXPECT_EQ(scenarios.limits.radius_m, 0.0);
+  EXPECT_EQ(scenarios.unknown, "blocked");
+}
+
+TEST(Arguments, MapFilesComeAndGo) {
+  const auto import =
+      command<ImportCommand>({"map", "import", "h.csv", "--site", "h.cairn", "--cell-size", "0.5",
+                              "--name", "hills", "--origin", "-3,.5,100"});
+  EXPECT_EQ(import.request.map_file, "h.csv");
+  EXPECT_EQ(import.request.store, "h.cairn");
+  EXPECT_EQ(import.request.cell_m, 0.5);
+  EXPECT_EQ(import.request.name, "hills");
+  EXPECT_EQ(import.request.origin_m, (std::array{-3.0, 0.5, 100.0}));
+  const auto out = command<ExportCommand>({"map", "export", "h.cairn", "h.tif"});
+  EXPECT_EQ(out.store, "h.cairn");
+  EXPECT_EQ(out.file, "h.tif");
+  EXPECT_EQ(command<InfoCommand>({"map", "info", "h.cairn", "--json"}).store, "h.cairn");
+}
+
 TEST(Arguments, EndWithUsageWhenTheyAreWrong) {
-  for (const auto& arguments :
-       std::vector<std::vector<std::string>>{{},
-                                             {"fly"},
-                                             {"goto", "1"},
-                                             {"goto", "x", "2"},
-                                             {"goto", "nan", "2"},
-                                             {"goto", "1e9", "2"},
-                                             {"goto", "1", "2", "3"},
-                                             {"goto", "1", "2", "--unknown", "maybe"},
-                                             {"goto", "1", "2", "--expires", "0"},
-                                             {"map"},
-                                             {"plan", "--from", "1", "--to", "2,3"},
-                                             {"found", "a", "--cell-mm", "5"},
-                                             {"--server", "base", "status"},
-                                             {"status", "--nope"}}) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {},
+           {"fly"},
+           {"goto", "1"},
+           {"goto", "x", "2"},
+           {"goto", "nan", "2"},
+           {"goto", "1e9", "2"},
+           {"goto", "1", "2", "3"},
+           {"goto", "1", "2", "--unknown", "maybe"},
+           {"goto", "1", "2", "--expires", "0"},
+           {"map"},
+           {"map", "h.cairn"},
+           {"map", "import", "a.map"},
+           {"map", "import", "--site", "h.cairn"},
+           {"map", "import", "a", "--site", "b", "--origin", "1"},
+           {"map", "import", "a", "--site", "b", "--cell-size", "0"},
+           {"map", "export", "h.cairn"},
+           {"map", "export", "h.cairn", "a.tif", "b.tif"},
+           {"map", "info"},
+           {"map", "s", "--png", "p", "--site", "t"},
+           {"plan", "h.cairn"},
+           {"plan", "--scen", "a.scen"},
+           {"plan", "s", "--scen", "a", "--from", "1,2"},
+           {"plan", "--from", "1,2", "--to", "3,4", "--climb", "1"},
+           {"plan", "s", "--from", "1,2", "--to", "3,4", "--climb", "3"},
+           {"plan", "--from", "1", "--to", "2,3"},
+           {"found", "a", "--cell-mm", "5"},
+           {"--server", "base", "status"},
+           {"status", "--nope"}}) {
     EXPECT_EQ(usage(arguments).code, kExitUsage) << testing::PrintToString(arguments);
   }
 }
