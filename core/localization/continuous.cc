@@ -95,7 +95,7 @@ std::optional<Registration> ContinuousLocalization::localize(const HeightMap& lo
   if (answer.accepted) {
     apply(answer);
   } else {
-    refuse();
+    refuse(answer);
   }
   return answer;
 }
@@ -151,7 +151,10 @@ bool ContinuousLocalization::agrees(const Pending& pending, const Registration& 
   return apart.dot(covariance.ldlt().solve(apart)) <= config_.agreement;
 }
 
-void ContinuousLocalization::refuse() {
+/// A place of which there is no map says nothing of where the robot is, and what matches best where
+/// the robot is believed to be does not speak against that.
+void ContinuousLocalization::refuse(const Registration& answer) {
+  if (!answer.comparable || answer.supports_prior) return;
   ++refusals_;
   const bool lost = state_ == LocalizationState::lost || refusals_ >= config_.refusals_until_lost;
   state_ = lost ? LocalizationState::lost : LocalizationState::unsure;

@@ -95,7 +95,7 @@ class ContinuousLocalization {
                                              const Eigen::Matrix4d& covariance) const;
   void judge(const ShortTermMap& map, Registration& answer);
   [[nodiscard]] bool agrees(const Pending& pending, const Registration& answer) const;
-  void refuse();
+  void refuse(const Registration& answer);
   void apply(const Registration& answer);
 
   ContinuousConfig config_;

@@ -27,9 +27,9 @@ void copy_tile(const Tile& tile, std::int64_t left, std::int64_t bottom, MatchRa
 
 }  // namespace
 
-std::optional<CellBox> known_box(const HeightMap& map) {
+std::optional<MapBox> known_box(const HeightMap& map) {
   constexpr auto kMax = std::numeric_limits<std::int32_t>::max();
-  CellBox box{{kMax, kMax}, {-kMax, -kMax}};
+  MapBox box{{kMax, kMax}, {-kMax, -kMax}};
   for (const auto& [key, tile] : map.tiles()) {
     if (key.level != 0) continue;
     for (int i = 0; i < Tile::kCells; ++i) {

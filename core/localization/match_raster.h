@@ -36,11 +36,11 @@ struct MatchRaster {
 };
 
 /// Corners of the smallest rectangle that holds all known cells of level 0; empty without any.
-struct CellBox {
+struct MapBox {
   CellIndex lowest;
   CellIndex highest;
 };
-[[nodiscard]] std::optional<CellBox> known_box(const HeightMap& map);
+[[nodiscard]] std::optional<MapBox> known_box(const HeightMap& map);
 
 /// The cells of a map from `lowest` on. Heights farther than kMatchLimitMm from the datum count as
 /// unknown. Requires: width, height > 0.

@@ -41,7 +41,7 @@ MatchProblem make_problem(const HeightMap& short_term, const RegistrationPrior& 
   problem.reach = static_cast<int>(std::lround(window.reach_m / cell_m));
   problem.yaw_reach = static_cast<int>(std::lround(window.yaw_rad / window.yaw_step_rad));
 
-  const CellBox box = *known_box(short_term);
+  const MapBox box = *known_box(short_term);
   const std::int32_t datum_mm = round_mm(robot[2]);
   const std::int32_t lifted_mm = round_mm(prior.T_site_submap.z_m) + offset_mm;
   problem.short_term =

@@ -223,6 +223,47 @@ bool is_small(const RobotPlace& step) {
   return step.head<3>().norm() < 1e-5 && std::abs(step[3]) < 1e-6;
 }
 
+/// Where a part of the short-term map would rather be, from the place of the whole.
+struct Wish {
+  Eigen::Vector4d step;
+  Eigen::Matrix4d covariance;
+};
+
+Wish wish_of(const std::vector<ShortTermCell>& cells, const LongTermRelief& map,
+             const RobotPlace& place, const RefineConfig& config) {
+  // What a part does not show it does not wish, but may be off by this much.
+  constexpr double kBlindM = 0.5;
+  constexpr double kBlindRad = 0.2;
+  const Eigen::Vector4d sigma(kBlindM, kBlindM, kBlindM, kBlindRad);
+  const Evidence evidence = observable_part(normal_at(cells, map, place, config), config);
+  Wish wish;
+  wish.covariance =
+      (evidence.information + Eigen::Matrix4d(sigma.cwiseAbs2().cwiseInverse().asDiagonal()))
+          .inverse();
+  wish.step = wish.covariance * evidence.pull;
+  return wish;
+}
+
+double discord_of(std::vector<ShortTermCell> cells, const LongTermRelief& map,
+                  const RobotPlace& place, const RefineConfig& config) {
+  constexpr int kCuts = 4;
+  double worst = 0.0;
+  for (int cut = 0; cut < kCuts; ++cut) {
+    const double angle = cut * std::numbers::pi / kCuts;
+    const Eigen::Vector2d across(std::cos(angle), std::sin(angle));
+    const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(cells.size() / 2);
+    std::nth_element(cells.begin(), middle, cells.end(),
+                     [&](const ShortTermCell& a, const ShortTermCell& b) {
+                       return a.from_robot_m.dot(across) < b.from_robot_m.dot(across);
+                     });
+    const Wish one = wish_of({cells.begin(), middle}, map, place, config);
+    const Wish other = wish_of({middle, cells.end()}, map, place, config);
+    const Eigen::Vector4d apart = one.step - other.step;
+    worst = std::max(worst, apart.dot((one.covariance + other.covariance).ldlt().solve(apart)));
+  }
+  return worst;
+}
+
 }  // namespace
 
 std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
@@ -253,6 +294,7 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   result.misfit = normal.misfit / static_cast<double>(normal.overlap);
   result.opinions = static_cast<double>(normal.overlap) / config.cells_per_opinion;
   result.residual_mm = std::sqrt(normal.squares_mm / normal.weights_mm);
+  result.discord = discord_of(cells, long_term, place, config);
   return result;
 }
 

@@ -53,6 +53,10 @@ struct Refinement {
   double misfit = 0.0;
   /// [-] Independent opinions in the overlap.
   double opinions = 0.0;
+  /// [-] How much the two halves of the short-term map contradict each other: squared Mahalanobis
+  /// distance between the places that each of them asks for alone, of the worst of four ways to cut
+  /// it. Large where a part of the map is displaced against the rest.
+  double discord = 0.0;
 };
 
 /// Gauss-Newton over x, y, z and yaw from `start`: height differences between the short-term cells

@@ -223,12 +223,17 @@ class Registering {
     // have in common is right whichever it is.
     const Refinement match = wide ? found.front().match : common(found);
     answer.misfit = match.misfit;
+    answer.discord = match.discord;
     answer.information = match.information;
     answer.covariance = match.covariance;
     answer.overlap = overlap_share(match.overlap);
+    answer.comparable = answer.overlap >= config_.min_overlap &&
+                        match.overlap >= static_cast<std::size_t>(config_.min_overlap_cells);
     answer.inliers = match.inliers;
     answer.residual_mm = match.residual_mm;
     answer.innovation = innovation(match);
+    answer.supports_prior = !wide && answer.comparable && answer.inliers >= config_.min_inliers &&
+                            answer.innovation <= config_.prior_supported;
     answer.position_observable = observable(match);
     answer.why = objection(answer, match, start);
     answer.accepted = answer.why.empty();
@@ -314,14 +319,12 @@ class Registering {
 
   [[nodiscard]] std::string objection(const Registration& answer, const Refinement& match,
                                       const Candidate& start) const {
-    if (answer.overlap < config_.min_overlap ||
-        match.overlap < static_cast<std::size_t>(config_.min_overlap_cells)) {
-      return "too little overlap";
-    }
+    if (!answer.comparable) return "too little overlap";
     if (answer.inliers < config_.min_inliers || answer.residual_mm > config_.max_residual_mm ||
         answer.misfit > config_.max_misfit) {
       return "the heights do not agree";
     }
+    if (answer.discord > config_.max_discord) return "one part of the map contradicts another";
     if (beyond_window(match.place)) return "it is best beyond the window";
     if (!answer.wide && answer.innovation > config_.max_innovation) {
       return "too far from where the robot can be";
@@ -405,6 +408,8 @@ Registration register_map(const HeightMap& short_term, const RegistrationPrior& 
   Registration answer = registering.narrow();
   if (answer.accepted || !config.widen || config.mode == RegistrationMode::thesis) return answer;
   Registration wide = registering.wide();
+  wide.comparable = wide.comparable || answer.comparable;
+  wide.supports_prior = answer.supports_prior;
   if (!wide.accepted) wide.why = answer.why + "; in the wide window: " + wide.why;
   return wide;
 }

@@ -40,7 +40,10 @@ struct RegistrationConfig {
   int min_overlap_cells = 150;    ///< And so many at least.
   double min_inliers = 0.75;      ///< [-] Of the overlap, agreeing within 3 σ.
   double max_residual_mm = 60.0;  ///< [mm]
-  double max_misfit = 0.7;        ///< [-] See Refinement.
+  /// [-] See Refinement. What stands there and is not on the map, or no more, misfits a little; a
+  /// displaced part of the map is told by discord.
+  double max_misfit = 1.2;
+  double max_discord = 8.0;  ///< [-] See Refinement.
   /// [-] Basins whose score is worse than the best one's by less than this, in parts of their own,
   /// are refined as well: what they are worth shows only then.
   double min_distinctness = 0.12;
@@ -50,6 +53,7 @@ struct RegistrationConfig {
   double min_margin = 25.0;
   /// [-] Squared Mahalanobis distance from the prior (4 degrees of freedom: 0.1 % are beyond 18.5).
   double max_innovation = 18.5;
+  double prior_supported = 9.5;  ///< [-] The same (5 % are beyond), for `supports_prior`.
   /// [-] The same for what only the wide search finds: ten sigmas. A robot that knows that it is
   /// lost puts it to infinity.
   double max_wide_innovation = 100.0;
@@ -82,11 +86,16 @@ struct Registration {
   double distinctness = 0.0;  ///< [0 … 1] 1 - score / second_best.
   double inliers = 0.0;       ///< [0 … 1]
   double residual_mm = 0.0;
-  double misfit = 0.0;  ///< [-] See Refinement.
-  double margin = 0.0;  ///< [-] How much less likely the next place is, as a difference of χ².
+  double misfit = 0.0;   ///< [-] See Refinement.
+  double discord = 0.0;  ///< [-] See Refinement.
+  double margin = 0.0;   ///< [-] How much less likely the next place is, as a difference of χ².
   double innovation = 0.0;           ///< [-] Squared Mahalanobis distance between match and prior.
   bool position_observable = false;  ///< The match tells x and y better than ±10 cm.
-  bool wide = false;                 ///< It took the wide window.
+  bool comparable = false;           ///< The maps overlap enough to agree or to disagree.
+  /// They match where the prior has them, most of them: also where that is refused as a correction
+  /// it does not speak against the prior.
+  bool supports_prior = false;
+  bool wide = false;  ///< It took the wide window.
   bool accepted = false;
   std::string why;  ///< One line: why it was refused, or what is special.
 };

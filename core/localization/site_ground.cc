@@ -22,7 +22,7 @@ struct HeightRange {
 
 /// Calls visit(cell, height_mm) for the known cells of level 0 in a box.
 template <class Visit>
-void visit_known(const HeightMap& map, const CellBox& box, const Visit& visit) {
+void visit_known(const HeightMap& map, const MapBox& box, const Visit& visit) {
   for (const auto& [key, tile] : map.tiles()) {
     if (key.level != 0) continue;
     for (int i = 0; i < Tile::kCells; ++i) {
@@ -37,7 +37,7 @@ void visit_known(const HeightMap& map, const CellBox& box, const Visit& visit) {
 }
 
 /// The part of `box` that matters for a disc; may be empty (lowest above highest).
-CellBox clipped(CellBox box, const SiteDisc& disc, int margin, double cell_m) {
+MapBox clipped(MapBox box, const SiteDisc& disc, int margin, double cell_m) {
   const auto cell = [&](double m) {
     constexpr double kFar = 1e9;
     return static_cast<std::int32_t>(std::clamp(std::floor(m / cell_m), -kFar, kFar));
@@ -50,7 +50,7 @@ CellBox clipped(CellBox box, const SiteDisc& disc, int margin, double cell_m) {
 }
 
 /// The map's heights in units above the datum, unknown ones as kUnknownInLong.
-MatchRaster raster_of(const HeightMap& map, const CellBox& box, int margin, int unit_mm,
+MatchRaster raster_of(const HeightMap& map, const MapBox& box, int margin, int unit_mm,
                       std::int32_t datum_mm) {
   MatchRaster raster;
   raster.lowest = {box.lowest.x - margin, box.lowest.y - margin};
@@ -176,7 +176,7 @@ SiteGrid<FloorSpan> floor_near(const SiteGrid<FloorSpan>& floor, int reach, int 
   return near;
 }
 
-HeightRange range_of(const HeightMap& map, const CellBox& box) {
+HeightRange range_of(const HeightMap& map, const MapBox& box) {
   HeightRange range;
   visit_known(map, box, [&](CellIndex, std::int32_t height_mm) {
     range.lowest_mm = std::min(range.lowest_mm, height_mm);
@@ -192,8 +192,8 @@ int unit_for(std::int64_t relief_mm) {
 }
 
 /// The part of the map to read; none, with the reason, where there is nothing or too much.
-std::optional<CellBox> box_to_read(const HeightMap& map, int margin,
-                                   const std::optional<SiteDisc>& disc, std::string& why) {
+std::optional<MapBox> box_to_read(const HeightMap& map, int margin,
+                                  const std::optional<SiteDisc>& disc, std::string& why) {
   auto box = known_box(map);
   if (box && disc) box = clipped(*box, *disc, margin, map.cell_size_m());
   if (!box || box->lowest.x > box->highest.x || box->lowest.y > box->highest.y) {
@@ -235,7 +235,7 @@ SiteGround ground_from(const MatchRaster& raster, int margin, int unit_mm, doubl
 std::optional<SiteGround> read_site_ground(const HeightMap& map, int margin,
                                            const std::optional<SiteDisc>& disc,
                                            const SiteGroundConfig& config, std::string& why) {
-  const std::optional<CellBox> box = box_to_read(map, margin, disc, why);
+  const std::optional<MapBox> box = box_to_read(map, margin, disc, why);
   if (!box) return std::nullopt;
   const HeightRange range = range_of(map, *box);
   const std::int64_t relief_mm = std::int64_t{range.highest_mm} - range.lowest_mm;

@@ -42,6 +42,7 @@ class Simulator final : public Input {
         lasers_(atrv_jr_lasers()),
         caster_(world_.surface),
         vehicle_(config.vehicle, world_.surface, world_.start),
+        passers_by_(world_.passers_by),
         start_(vehicle_.pose()),
         instruments_(config.instruments, config.seed, start_),
         laser_noise_(config.seed, 2),
@@ -54,7 +55,7 @@ class Simulator final : public Input {
   void drive(const DriveCommand& command) override { command_ = command; }
   [[nodiscard]] bool can_drive() const override { return true; }
   [[nodiscard]] std::optional<Truth> truth() const override {
-    return Truth{vehicle_.pose(), vehicle_.collisions()};
+    return Truth{vehicle_.pose(), vehicle_.collisions() + people_touched_};
   }
   [[nodiscard]] std::optional<MonotonicTime> next_stamp() const override {
     return kTick * std::min(motion_.next_tick(), scans_.next_tick());
@@ -65,6 +66,7 @@ class Simulator final : public Input {
     for (; kTick * next_tick_ <= until; ++next_tick_) {
       if (next_tick_ > 0) {
         vehicle_.step(command_, kTickS);
+        meet_people();
         instruments_.follow(vehicle_, kTickS);
       }
       read_instruments(readings);
@@ -73,6 +75,14 @@ class Simulator final : public Input {
   }
 
  private:
+  void meet_people() {
+    passers_by_.step(kTickS, vehicle_.pose());
+    const bool touching =
+        passers_by_.touched_by(vehicle_.pose(), config_.vehicle.length_m, config_.vehicle.width_m);
+    people_touched_ += touching && !touching_ ? 1 : 0;
+    touching_ = touching;
+  }
+
   void read_instruments(std::vector<Reading>& readings) {
     const MonotonicTime now = kTick * next_tick_;
     if (motion_.take(next_tick_)) {
@@ -95,8 +105,9 @@ class Simulator final : public Input {
       const double angle = spec.first_angle_rad + i * spec.step_rad;
       const Eigen::Vector3d direction =
           T_site_sensor.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0);
-      const double range =
-          caster_.range_m(T_site_sensor.translation(), direction, spec.max_range_m);
+      const Eigen::Vector3d origin = T_site_sensor.translation();
+      const double range = passers_by_.range_m(
+          origin, direction, caster_.range_m(origin, direction, spec.max_range_m));
       scan.range_m.push_back(static_cast<float>(measured(range, spec)));
     }
     return scan;
@@ -116,6 +127,9 @@ class Simulator final : public Input {
   std::vector<LaserSpec> lasers_;
   RayCaster caster_;
   Vehicle vehicle_;
+  PassersBy passers_by_;
+  bool touching_ = false;
+  int people_touched_ = 0;
   Pose start_;
   Instruments instruments_;
   Noise laser_noise_;

@@ -7,6 +7,7 @@
 #include "core/common/result.h"
 #include "core/pose/pose.h"
 #include "robot_agent/input/height_raster.h"
+#include "robot_agent/input/passers_by.h"
 
 namespace cairn::agent {
 
@@ -15,6 +16,7 @@ struct World {
   std::string name;
   HeightRaster surface;
   Pose start;  ///< In the site frame; the surface there is at z = 0.
+  std::vector<PasserBy> passers_by{};
 };
 
 /// The names `make_world` knows, for help and messages: "room", "ramp", "block", "hill" and

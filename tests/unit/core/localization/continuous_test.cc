@@ -167,13 +167,29 @@ TEST(ContinuousLocalization, OnFeaturelessGroundStaysLocalizedAndInventsNothing)
   EXPECT_EQ(localization.state(), LocalizationState::localized);
 }
 
-TEST(ContinuousLocalization, WithoutAMapOfThePlaceIsLostAfterSomeRefusals) {
-  const HeightMap nothing(test::kCellMm);
+TEST(ContinuousLocalization, WhereThereIsNoMapNothingSpeaksAgainstItsPlace) {
+  Drive drive{ContinuousConfig{}};
+  for (int i = 0; i < 20; ++i) {
+    const auto answer = drive.step_until_mature(HeightMap(test::kCellMm));
+    ASSERT_TRUE(answer);
+    EXPECT_FALSE(answer->accepted);
+    EXPECT_EQ(drive.localization_.state(), LocalizationState::localized);
+  }
+}
+
+HeightMap map_of_elsewhere() {
+  std::mt19937_64 random(3);
+  const auto elsewhere = [](double x, double y) { return test::RichGround{}(x + 40.0, y - 70.0); };
+  return test::long_term_of(elsewhere, random);
+}
+
+TEST(ContinuousLocalization, OnAMapOfAnotherPlaceIsLostAfterSomeRefusals) {
+  const HeightMap other = map_of_elsewhere();
   ContinuousConfig config;
   Drive drive(config);
   for (int i = 1; i <= config.refusals_until_lost; ++i) {
     EXPECT_NE(drive.localization_.state(), LocalizationState::lost);
-    const auto answer = drive.step_until_mature(nothing);
+    const auto answer = drive.step_until_mature(other);
     ASSERT_TRUE(answer);
     EXPECT_FALSE(answer->accepted);
     EXPECT_EQ(drive.localization_.refusals(), i);
@@ -182,12 +198,12 @@ TEST(ContinuousLocalization, WithoutAMapOfThePlaceIsLostAfterSomeRefusals) {
 }
 
 TEST(ContinuousLocalization, ALostRobotFindsItselfAgainWhenTwoMapsWithoutACommonScanAgree) {
-  const HeightMap nothing(test::kCellMm);
+  const HeightMap other = map_of_elsewhere();
   const HeightMap map = rich_map();
   Drive drive({});
   drive.off_ = {0.4, 0.3, 0.0, 0.0, 0.0, radians(2.0)};
   while (drive.localization_.state() != LocalizationState::lost) {
-    ASSERT_TRUE(drive.step_until_mature(nothing));
+    ASSERT_TRUE(drive.step_until_mature(other));
   }
   bool found = false;
   int answers = 0;

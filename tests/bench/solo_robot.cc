@@ -1,0 +1,135 @@
+#include "tests/bench/solo_robot.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace cairn::bench {
+namespace {
+
+constexpr Duration kStep = std::chrono::milliseconds(50);
+constexpr int kMostPaths = 20;
+
+std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
+
+/// Where anything is known, and around the robot.
+struct Extent {
+  CellIndex lowest{std::numeric_limits<std::int32_t>::max(),
+                   std::numeric_limits<std::int32_t>::max()};
+  CellIndex highest{std::numeric_limits<std::int32_t>::min(),
+                    std::numeric_limits<std::int32_t>::min()};
+
+  void include(CellIndex cell) {
+    lowest = {std::min(lowest.x, cell.x), std::min(lowest.y, cell.y)};
+    highest = {std::max(highest.x, cell.x), std::max(highest.y, cell.y)};
+  }
+  void include(const HeightMap& map, CellIndex origin) {
+    for (const auto& [key, tile] : map.tiles()) {
+      const CellIndex corner{origin.x + key.tx * Tile::kSize, origin.y + key.ty * Tile::kSize};
+      include(corner);
+      include({corner.x + Tile::kSize - 1, corner.y + Tile::kSize - 1});
+    }
+  }
+};
+
+}  // namespace
+
+SoloRobot::SoloRobot(std::unique_ptr<agent::Input> input, const HeightMap* given)
+    : input_(std::move(input)),
+      mapper_(agent::MapperConfig{}, input_->lasers(), input_->start(), 1, evidence_) {
+  if (given == nullptr) return;
+  std::vector<agent::GivenTile> tiles;
+  for (const auto& [key, tile] : given->tiles()) tiles.push_back({key, *tile, 0});
+  mapper_.take_tiles(tiles);
+}
+
+DrivableGrid SoloRobot::ground() const {
+  const HeightMap& replica = mapper_.replica().now();
+  Extent extent;
+  extent.include(replica.cell_at(mapper_.pose().x_m, mapper_.pose().y_m));
+  extent.include(replica, {0, 0});
+  if (const Submap* open = mapper_.open_submap()) {
+    extent.include(open->surface, {open->T_site_submap.x_mm / mapper_.cell_size_mm(),
+                                   open->T_site_submap.y_mm / mapper_.cell_size_mm()});
+  }
+  auto grid = empty_grid(extent.lowest, extent.highest, mapper_.cell_size_mm()).value();
+  agent::copy_known([this](CellIndex cell) { return mapper_.cell(cell); },
+                    mapper_.sensor_model().min_probability, grid);
+  return make_drivable(std::move(grid), planner());
+}
+
+bool SoloRobot::send_path(const Eigen::Vector2d& goal_m, Trip& trip) {
+  const Pose& pose = mapper_.pose();
+  const Path path = plan(ground(), {.start_m = {pose.x_m, pose.y_m}, .goal_m = goal_m}, planner());
+  trip.why = path.why;
+  if (path.status != PathStatus::complete) return false;
+  if (trip.paths++ == 0) trip.planned_m = path.length_m;
+  proto::RobotLink::Order order;
+  order.command.id = command_;
+  order.command.revision = static_cast<std::uint32_t>(trip.paths);
+  order.command.kind = proto::CommandKind::go_to;
+  order.command.issuer = "bench";
+  order.command.expires_clock_ms = std::numeric_limits<std::uint64_t>::max();
+  order.command.goal_x_mm = to_mm(goal_m.x());
+  order.command.goal_y_mm = to_mm(goal_m.y());
+  for (const Eigen::Vector2d& p : path.points_m) {
+    order.path.push_back({to_mm(p.x()), to_mm(p.y())});
+  }
+  driver_.take(order, pose, now_);
+  return true;
+}
+
+void SoloRobot::step() {
+  now_ += kStep;
+  const auto readings = input_->advance(now_).value();
+  for (const agent::Reading& reading : readings) {
+    if (const auto* motion = std::get_if<MotionReading>(&reading)) mapper_.take_motion(*motion);
+    if (const auto* scan = std::get_if<Scan>(&reading)) mapper_.take_scan(*scan);
+  }
+  driver_.set_localization(mapper_.localization(), mapper_.localization_why());
+  input_->drive(driver_.step(
+      mapper_.pose(), [this](CellIndex cell) { return mapper_.cell(cell); }, mapper_.cell_size_mm(),
+      mapper_.sensor_model().min_probability, now_, Duration{}));
+}
+
+void SoloRobot::follow_reports(const Eigen::Vector2d& goal_m, Trip& trip) {
+  for (const proto::CommandReport& report : driver_.take_reports()) {
+    const bool of_this_trip = report.command == command_;
+    if (!of_this_trip || report.state == proto::CommandState::accepted) continue;
+    if (report.state == proto::CommandState::blocked) {
+      if (trip.paths >= kMostPaths) {
+        ended_ = true;
+      } else {
+        (void)send_path(goal_m, trip);  // Without a way now there may be one later.
+      }
+      trip.why = report.why + (trip.why.empty() ? "" : "; " + trip.why);
+      continue;
+    }
+    ended_ = true;
+    trip.arrived = report.state == proto::CommandState::arrived;
+    trip.why = report.why;
+  }
+}
+
+SoloRobot::Trip SoloRobot::go_to(const Eigen::Vector2d& goal_m, Duration limit) {
+  Trip trip;
+  ++command_;
+  ended_ = !send_path(goal_m, trip);
+  const MonotonicTime begun = now_;
+  Pose last = truth().T_site_robot;
+  while (!ended_ && now_ - begun < limit) {
+    step();
+    follow_reports(goal_m, trip);
+    const Pose& here = truth().T_site_robot;
+    trip.driven_m += std::hypot(here.x_m - last.x_m, here.y_m - last.y_m);
+    last = here;
+  }
+  trip.seconds = to_seconds(now_ - begun);
+  return trip;
+}
+
+}  // namespace cairn::bench
