@@ -173,9 +173,7 @@ std::vector<api::RobotJson> Server::describe_robots(const std::string& site) con
     if (!site.empty() && robot.site->info().name != site) continue;
     api::RobotJson json = describe(robot, Hub::now());
     json.command = mission_->describe(id);
-    if (json.command && robot.pose && robot.pose->command == json.command->id) {
-      json.command->to_go_m = robot.pose->to_go_mm / 1000.0;
-    }
+    json.task = mission_->describe_task(id);
     robots.push_back(std::move(json));
   }
   return robots;
@@ -236,6 +234,18 @@ void Server::found(const api::FoundRequest& request, Reply<api::SiteJson> reply)
 void Server::go_to(const api::GotoRequest& request, Reply<api::CommandReply> reply) {
   asio::post(control_, [self = shared_from_this(), request, reply = std::move(reply)] {
     self->mission_->go_to(request, reply);
+  });
+}
+
+void Server::explore(const api::ExploreRequest& request, Reply<api::CommandReply> reply) {
+  asio::post(control_, [self = shared_from_this(), request, reply = std::move(reply)] {
+    self->mission_->explore(request, reply);
+  });
+}
+
+void Server::go_home(const api::ReturnRequest& request, Reply<api::CommandReply> reply) {
+  asio::post(control_, [self = shared_from_this(), request, reply = std::move(reply)] {
+    self->mission_->go_home(request, reply);
   });
 }
 

@@ -40,6 +40,8 @@ class Server : public Service, public std::enable_shared_from_this<Server> {
   void status(Reply<api::StatusReply> reply) override;
   void found(const api::FoundRequest& request, Reply<api::SiteJson> reply) override;
   void go_to(const api::GotoRequest& request, Reply<api::CommandReply> reply) override;
+  void explore(const api::ExploreRequest& request, Reply<api::CommandReply> reply) override;
+  void go_home(const api::ReturnRequest& request, Reply<api::CommandReply> reply) override;
   void stop(const api::StopRequest& request, Reply<api::CommandReply> reply) override;
   void plan(const api::PlanRequestJson& request, Reply<api::PlanReply> reply) override;
   void map(const std::string& site, Reply<Map> reply) override;

@@ -64,15 +64,17 @@ class Runner {
   }
 
   Result<int> operator()(const GotoCommand& command) {
-    auto before = server_.call<api::StatusReply>("status", api::Empty{});
-    if (!before) return before.error();
-    auto sent = server_.call<api::CommandReply>("goto", command.request);
-    if (!sent || !command.follow) {
-      return answer(sent, [](const auto& reply) { return command_text(reply, "goal"); });
-    }
-    if (!json_) terminal_.out << command_text(*sent, "goal") << std::flush;
-    return follow(Follow(*before, sent->robot, sent->command));
+    const auto& request = command.request;
+    const bool one_leg = request.then.empty() && !request.queue;
+    if (command.follow && one_leg) return go_and_follow(request);
+    return task("goto", command, "goal");
   }
+
+  Result<int> operator()(const ExploreCommand& command) {
+    return task("explore", command, "task to explore");
+  }
+
+  Result<int> operator()(const ReturnCommand& command) { return task("return", command, "return"); }
 
   Result<int> operator()(const StopCommand& command) {
     return answer(server_.call<api::CommandReply>("stop", command.request),
@@ -111,6 +113,25 @@ class Runner {
     return kExitOk;
   }
 
+  Result<int> go_and_follow(const api::GotoRequest& request) {
+    auto before = server_.call<api::StatusReply>("status", api::Empty{});
+    if (!before) return before.error();
+    auto sent = server_.call<api::CommandReply>("goto", request);
+    if (!sent) return sent.error();
+    if (!json_) terminal_.out << command_text(*sent, "goal") << std::flush;
+    return follow(Follow(*before, sent->robot, sent->command));
+  }
+
+  template <class TaskCommand>
+  Result<int> task(const char* method, const TaskCommand& command, const char* what) {
+    auto sent = server_.call<api::CommandReply>(method, command.request);
+    if (!sent || !command.follow) {
+      return answer(sent, [&](const auto& reply) { return command_text(reply, what); });
+    }
+    if (!json_) terminal_.out << command_text(*sent, what) << std::flush;
+    return follow(FollowTask(sent->robot, sent->task));
+  }
+
   Status watch() {
     const auto watching =
         server_.call<api::WatchRequest>("watch", api::WatchRequest{.period_ms = kWatchPeriodMs});
@@ -118,7 +139,8 @@ class Runner {
     return {};
   }
 
-  Result<int> follow(Follow following) {
+  template <class Following>
+  Result<int> follow(Following following) {
     server_.catch_interrupt();
     if (const auto watching = watch(); !watching) return watching.error();
     while (true) {

@@ -96,4 +96,21 @@ std::string Follow::progress(const api::RobotJson& robot) const {
   return line;
 }
 
+Follow::Step FollowTask::step(const api::StatusReply& status) const {
+  const auto* robot = find_robot(status, robot_);
+  if (robot == nullptr) {
+    return {robot_ + " is no longer known to the server: see `cairn status`", kExitFailed};
+  }
+  const auto& task = robot->task;
+  if (!task || task->id < task_) return {robot_ + " does something else first", std::nullopt};
+  if (task->id > task_) {
+    return {"the task has ended; the robot does task " + std::to_string(task->id), kExitFailed};
+  }
+  if (task->state == "active") {
+    return {robot_line(*robot) + "  " + with_why(task_text(*task), task->why), std::nullopt};
+  }
+  const bool done = task->state == "done";
+  return {with_why(robot_ + " " + task_text(*task), task->why), done ? kExitOk : kExitFailed};
+}
+
 }  // namespace cairn::cli

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "proto/json/messages.h"
 
@@ -36,6 +37,18 @@ class Follow {
   std::uint64_t bytes_down_ = 0;
   std::optional<double> blocked_since_s_;
   std::uint32_t blocked_revision_ = 0;
+};
+
+/// The same for a task of several legs.
+class FollowTask {
+ public:
+  FollowTask(std::string robot, std::uint64_t task) : robot_(std::move(robot)), task_(task) {}
+
+  [[nodiscard]] Follow::Step step(const api::StatusReply& status) const;
+
+ private:
+  std::string robot_;
+  std::uint64_t task_;
 };
 
 }  // namespace cairn::cli

@@ -66,7 +66,10 @@ std::string robots_text(const api::StatusReply& status) {
     if (robot.command) {
       command = robot.command->kind + " " + robot.command->state;
       if (!robot.command->why.empty()) command += " (" + robot.command->why + ")";
+      if (robot.command->eta_s) command += ", about " + age_text(*robot.command->eta_s) + " to go";
     }
+    const bool more = robot.task && (robot.task->legs_all != 1 || robot.task->waiting > 0);
+    if (more) command += "; " + task_text(*robot.task);
     rows.push_back({robot.id, robot.site, place_text(robot.x_m, robot.y_m) + sureness_text(robot),
                     printed("%.0f deg", heading_deg(robot.yaw_rad)),
                     age_text(robot.pose_age_s) + " ago", printed("%.2f m/s", robot.speed_m_s),
@@ -132,6 +135,18 @@ std::string status_text(const api::StatusReply& status) {
          sites_text(status) + '\n' + robots_text(status);
 }
 
+std::string task_text(const api::TaskJson& task) {
+  std::string text = task.kind;
+  if (task.state != "active") text += " " + task.state;
+  text += ", " + count_text(task.legs);
+  if (task.legs_all > 0) text += " of " + count_text(task.legs_all);
+  text += " places";
+  if (task.rounds > 0) text += " in round " + count_text(task.rounds + 1);
+  if (task.eta_s) text += ", about " + age_text(*task.eta_s) + " to go";
+  if (task.waiting > 0) text += ", " + count_text(task.waiting) + " tasks behind it";
+  return text;
+}
+
 std::string robot_line(const api::RobotJson& robot) {
   std::string line = robot.id + "  " + place_text(robot.x_m, robot.y_m) +
                      printed(" %4.0f deg  %.2f m/s", heading_deg(robot.yaw_rad), robot.speed_m_s) +
@@ -167,6 +182,11 @@ std::string link_text(const api::StatusReply& before, const api::StatusReply& af
 }
 
 std::string command_text(const api::CommandReply& reply, const std::string& what) {
+  if (reply.status == "queued") {
+    const std::string why = reply.why.empty() ? "" : ": " + reply.why;
+    return what + " queued for " + reply.robot + " (task " + std::to_string(reply.task) + ")" +
+           why + '\n';
+  }
   std::string text =
       what + " sent to " + reply.robot + " (command " + std::to_string(reply.command) + ")";
   if (!reply.path.empty()) text += printed(": %.1f m of way", reply.length_m);

@@ -20,6 +20,8 @@ namespace cairn::cli {
 [[nodiscard]] std::string table_text(const std::vector<std::vector<std::string>>& rows);
 
 [[nodiscard]] std::string status_text(const api::StatusReply& status);
+/// "goto, 2 of 5 places", "explore done, 7 places", …
+[[nodiscard]] std::string task_text(const api::TaskJson& task);
 /// One line of `watch` for a robot.
 [[nodiscard]] std::string robot_line(const api::RobotJson& robot);
 /// `before` and `after` are two looks at the same server; rates come from what lies between.

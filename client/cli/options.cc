@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -33,9 +34,19 @@ std::string check_server(const std::string& text) {
   const auto address = parse_server(text);
   return address ? "" : address.error().message;
 }
-std::string check_coordinate(const std::string& text) {
-  double value = 0.0;
-  return read_coordinate(text, value) ? "" : "expected metres from -100000 to 100000";
+
+/// "W,S,E,N".
+std::optional<api::AreaJson> parse_area(const std::string& text) {
+  std::array<double, 4> sides{};
+  std::string_view rest = text;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    if (!read_coordinate(rest.substr(0, end), sides[i])) return {};
+    if ((end == rest.size()) != (i + 1 == sides.size())) return {};
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (sides[0] >= sides[2] || sides[1] >= sides[3]) return {};
+  return api::AreaJson{sides[0], sides[1], sides[2], sides[3]};
 }
 
 /// What CLI11 fills in; turned into an Invocation when all of it is sound.
@@ -48,8 +59,10 @@ struct Typed {
   MapCommand map;
   PlanCommand plan;
   OfflineOptions offline;
-  std::string x;
-  std::string y;
+  ExploreCommand explore;
+  ReturnCommand go_home;
+  std::vector<std::string> places;
+  std::string area;
   std::string from;
   std::string to;
 };
@@ -75,25 +88,63 @@ void add_optional(CLI::App& sub, const std::string& name, std::optional<T>& valu
       name, [&value](const T& given) { value = given; }, what);
 }
 
-void add_goto(CLI::App& app, Typed& typed) {
-  auto* sub = add(app, "goto", "Send a robot to a place (metres east and north of the origin)",
-                  "  cairn goto 12.5 -3                 returns once the command is sent\n"
-                  "  cairn goto 12.5 -3 --follow        shows the way there; exit 0 = arrived\n"
-                  "  cairn goto 80 40 --robot r2 --unknown blocked --on-link-loss continue");
-  auto& request = typed.go_to.request;
-  sub->add_option("X", typed.x, "East [m]")->required()->check(check_coordinate);
-  sub->add_option("Y", typed.y, "North [m]")->required()->check(check_coordinate);
-  add_optional(*sub, "--robot", request.robot, "Which robot (may be left out when there is one)");
-  add_unknown(*sub, request.unknown);
-  sub->add_option("--on-link-loss", request.on_link_loss, "What to do when the link is lost")
-      ->check(CLI::IsMember({"stop", "continue"}))
+void add_robot(CLI::App& sub, std::optional<std::string>& robot) {
+  add_optional(sub, "--robot", robot, "Which robot (may be left out when there is one)");
+}
+
+/// What every task can be told.
+template <class Request>
+void add_task_options(CLI::App& sub, Request& request, bool& follow) {
+  sub.add_option("--on-link-loss", request.on_link_loss,
+                 "When the link is lost: stop there, continue, or return along the way it came")
+      ->check(CLI::IsMember({"stop", "continue", "return"}))
       ->capture_default_str();
-  sub->add_option("--expires", request.expires_s, "The robot stops after this [s]")
+  sub.add_option("--expires", request.expires_s, "The robot stops after this [s]")
       ->check(CLI::Range(1.0, 86400.0))
       ->capture_default_str();
+  sub.add_flag("--queue", request.queue, "After what the robot does now, not in its place");
+  sub.add_flag("--follow", follow, "Show progress until the robot is done or gives up");
+}
+
+std::string check_area(const std::string& text) {
+  return parse_area(text) ? "" : "\"" + text + "\" is no area: expected WEST,SOUTH,EAST,NORTH [m]";
+}
+
+void add_goto(CLI::App& app, Typed& typed) {
+  auto* sub = add(app, "goto", "Send a robot to a place or along several (metres east and north)",
+                  "  cairn goto 12.5 -3                 returns once the command is sent\n"
+                  "  cairn goto 12.5 -3 --follow        shows the way there; exit 0 = arrived\n"
+                  "  cairn goto r2 12,-3 20,4 0,0       one place after the other\n"
+                  "  cairn goto 12,-3 20,4 --loop --expires 3600    a patrol\n"
+                  "  cairn goto 80 40 --robot r2 --unknown blocked --on-link-loss return");
+  auto& request = typed.go_to.request;
+  sub->add_option("PLACE", typed.places, "X Y, or [ROBOT] X,Y [X,Y ...]")->required();
+  add_robot(*sub, request.robot);
+  add_unknown(*sub, request.unknown);
   sub->add_flag("--partial", request.allow_partial, "Go as near as possible when there is no way");
-  sub->add_flag("--follow", typed.go_to.follow,
-                "Show progress until the robot is there or gives up");
+  sub->add_flag("--loop", request.loop, "Round and round until it expires or is stopped");
+  add_task_options(*sub, request, typed.go_to.follow);
+}
+
+void add_explore(CLI::App& app, Typed& typed) {
+  auto* sub = add(app, "explore", "Let a robot map all that it can reach",
+                  "  cairn explore\n"
+                  "  cairn explore r2 --area 0,0,20,15 --follow");
+  auto& request = typed.explore.request;
+  add_optional(*sub, "ROBOT,--robot", request.robot,
+               "Which robot (may be left out when there is one)");
+  sub->add_option("--area", typed.area, "Only there: WEST,SOUTH,EAST,NORTH [m]")->check(check_area);
+  add_task_options(*sub, request, typed.explore.follow);
+}
+
+void add_return(CLI::App& app, Typed& typed) {
+  auto* sub = add(app, "return", "Send a robot back to where it began",
+                  "  cairn return\n  cairn return r2 --follow");
+  auto& request = typed.go_home.request;
+  add_optional(*sub, "ROBOT,--robot", request.robot,
+               "Which robot (may be left out when there is one)");
+  add_unknown(*sub, request.unknown);
+  add_task_options(*sub, request, typed.go_home.follow);
 }
 
 void add_plan(CLI::App& app, Typed& typed) {
@@ -138,6 +189,8 @@ void add_subcommands(CLI::App& app, Typed& typed) {
       ->check(CLI::Range(10, 2000))
       ->capture_default_str();
   add_goto(app, typed);
+  add_explore(app, typed);
+  add_return(app, typed);
   auto* stop =
       add(app, "stop", "Stop a robot where it is", "  cairn stop\n  cairn stop --robot r2");
   add_optional(*stop, "--robot", typed.stop.request.robot,
@@ -174,6 +227,21 @@ void add_globals(CLI::App& app, Typed& typed) {
 
 api::PointJson point_of(const std::string& checked) { return parse_point(checked).value(); }
 
+Command goto_command_of(Typed& typed) {
+  const auto places = parse_places(typed.places);
+  if (!places) throw CLI::ValidationError("PLACE", places.error().message);
+  auto& request = typed.go_to.request;
+  if (places->robot && request.robot) throw CLI::ExcludesError("ROBOT", "--robot");
+  if (places->robot) request.robot = places->robot;
+  request.x_m = places->points[0].x_m;
+  request.y_m = places->points[0].y_m;
+  request.then.assign(places->points.begin() + 1, places->points.end());
+  if (request.loop && request.then.empty()) {
+    throw CLI::ValidationError("--loop", "needs two places or more");
+  }
+  return typed.go_to;
+}
+
 Command plan_command_of(Typed& typed) {
   const bool way = !typed.from.empty() && !typed.to.empty();
   if (!way && !typed.offline.scenarios) throw CLI::RequiredError("--from and --to");
@@ -186,11 +254,12 @@ Command plan_command_of(Typed& typed) {
 
 Command command_of(const CLI::App& app, Typed& typed) {
   if (app.got_subcommand("found")) return typed.found;
-  if (app.got_subcommand("goto")) {
-    read_coordinate(typed.x, typed.go_to.request.x_m);
-    read_coordinate(typed.y, typed.go_to.request.y_m);
-    return typed.go_to;
+  if (app.got_subcommand("goto")) return goto_command_of(typed);
+  if (app.got_subcommand("explore")) {
+    if (!typed.area.empty()) typed.explore.request.area = parse_area(typed.area);
+    return typed.explore;
   }
+  if (app.got_subcommand("return")) return typed.go_home;
   if (app.got_subcommand("stop")) return typed.stop;
   if (app.got_subcommand("map")) {
     return map_command(*app.get_subcommand("map"), typed.map, typed.offline);
@@ -243,6 +312,31 @@ Result<api::PointJson> parse_point(const std::string& text) {
                  "\"" + text + "\" is no place: expected X,Y in metres, as -3,2.5"};
   }
   return point;
+}
+
+Result<Places> parse_places(const std::vector<std::string>& words) {
+  Places places;
+  api::PointJson point;
+  if (words.size() == 2 && read_coordinate(words[0], point.x_m) &&
+      read_coordinate(words[1], point.y_m)) {
+    places.points = {point};
+    return places;
+  }
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    auto read = parse_point(words[i]);
+    if (read) {
+      places.points.push_back(*read);
+    } else if (i == 0 && words.size() > 1 && words[0].find(',') == std::string::npos) {
+      places.robot = words[0];
+    } else {
+      return Error{ErrorCode::invalid_argument,
+                   read.error().message + "; one place may also be two numbers of metres: 12.5 -3"};
+    }
+  }
+  if (places.points.size() > api::kMaxWaypoints) {
+    return Error{ErrorCode::invalid_argument, "more than 256 places"};
+  }
+  return places;
 }
 
 std::variant<Invocation, Exit> parse_arguments(std::vector<std::string> arguments) {

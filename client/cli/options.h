@@ -22,6 +22,12 @@ struct ServerAddress {
 /// "HOST:PORT", "[IPv6]:PORT".
 [[nodiscard]] Result<ServerAddress> parse_server(const std::string& text);
 [[nodiscard]] std::string to_string(const ServerAddress& address);
+/// Where `goto` leads: "X Y", or "[ROBOT] X,Y [X,Y …]".
+struct Places {
+  std::optional<std::string> robot;
+  std::vector<api::PointJson> points;  ///< One or more.
+};
+[[nodiscard]] Result<Places> parse_places(const std::vector<std::string>& words);
 /// "X,Y" in metres.
 [[nodiscard]] Result<api::PointJson> parse_point(const std::string& text);
 
@@ -33,6 +39,14 @@ struct FoundCommand {
 };
 struct GotoCommand {
   api::GotoRequest request;
+  bool follow = false;
+};
+struct ExploreCommand {
+  api::ExploreRequest request;
+  bool follow = false;
+};
+struct ReturnCommand {
+  api::ReturnRequest request;
   bool follow = false;
 };
 struct StopCommand {
@@ -79,8 +93,9 @@ struct ScenariosCommand {
 };
 
 using Command = std::variant<StatusCommand, LinkCommand, WatchCommand, FoundCommand, GotoCommand,
-                             StopCommand, MapCommand, PlanCommand, ImportCommand, ExportCommand,
-                             InfoCommand, DrawStoreCommand, PlanOnStoreCommand, ScenariosCommand>;
+                             ExploreCommand, ReturnCommand, StopCommand, MapCommand, PlanCommand,
+                             ImportCommand, ExportCommand, InfoCommand, DrawStoreCommand,
+                             PlanOnStoreCommand, ScenariosCommand>;
 
 struct Invocation {
   ServerAddress server;

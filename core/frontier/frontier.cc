@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "core/frontier/reach.h"
 
@@ -26,8 +27,8 @@ class Finder {
     seen_.assign(reach_.way.size(), 0);
     for (const CellIndex cell : edge_cells_by_way()) {
       if (taken_[grid_.heights.at(cell)] != 0) continue;
-      const Frontier frontier = gather(cell);
-      if (frontier.new_area_m2 >= config_.min_area_m2) found.push_back(frontier);
+      Frontier frontier = gather(cell);
+      if (frontier.new_area_m2 >= config_.min_area_m2) found.push_back(std::move(frontier));
     }
     std::ranges::stable_sort(found, [](const Frontier& a, const Frontier& b) {
       return std::tie(b.promise, a.way_m) < std::tie(a.promise, b.way_m);
@@ -89,9 +90,9 @@ class Finder {
         edge.push_back(near);
       }
     }
-    frontier.cells = static_cast<int>(edge.size());
     frontier.new_area_m2 = area_behind(edge, frontier.place_m);
     frontier.promise = frontier.new_area_m2 / (config_.head_start_m + frontier.way_m);
+    frontier.edge = std::move(edge);
     return frontier;
   }
 

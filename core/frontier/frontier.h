@@ -35,10 +35,10 @@ struct AreaM {
 
 /// A stretch of the edge between ground that can be driven to and ground nobody has seen.
 struct Frontier {
-  Eigen::Vector2d place_m;   ///< The middle of its cheapest cell: open, known, reachable.
-  double way_m = 0.0;        ///< To there.
-  double new_area_m2 = 0.0;  ///< Unseen ground that hangs together with it, within view.
-  int cells = 0;
+  Eigen::Vector2d place_m;      ///< The middle of its cheapest cell: open, known, reachable.
+  double way_m = 0.0;           ///< To there.
+  double new_area_m2 = 0.0;     ///< Unseen ground that hangs together with it, within view.
+  std::vector<CellIndex> edge;  ///< All its cells, that one first.
   /// [m²/m] new_area / (head_start + way): the order of frontiers.
   double promise = 0.0;
 };

@@ -130,7 +130,7 @@ void fields(Io& io, typename Io::template Ref<Command> r) {
   io.one_of("kind", r.kind, CommandKind::go_to, CommandKind::stop);
   io.text("issuer", r.issuer);
   io.number("expires", r.expires_clock_ms);
-  io.one_of("on link loss", r.on_link_loss, OnLinkLoss::proceed, OnLinkLoss::stop);
+  io.one_of("on link loss", r.on_link_loss, OnLinkLoss::proceed, OnLinkLoss::retrace);
   io.number("link timeout", r.link_timeout_ms);
   io.number("map version", r.map_version);
   coordinate(io, "goal x", r.goal_x_mm);

@@ -150,7 +150,11 @@ struct Refusal {
 };
 
 enum class CommandKind : std::uint8_t { go_to = 1, stop = 2 };
-enum class OnLinkLoss : std::uint8_t { proceed = 0, stop = 1 };
+enum class OnLinkLoss : std::uint8_t {
+  proceed = 0,
+  stop = 1,
+  retrace = 2,  ///< Goes back along the way it came until the server is heard again; then stops.
+};
 
 /// What the operator wants, with its validity in the robot's own clock. Resent (with fresh times)
 /// until reported on; `revision` counts new paths for the same goal.

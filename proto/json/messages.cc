@@ -13,8 +13,10 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr std::array kUnknown = {"blocked"sv, "allowed"sv};
-constexpr std::array kOnLinkLoss = {"stop"sv, "continue"sv};
+constexpr std::array kOnLinkLoss = {"stop"sv, "continue"sv, "return"sv};
 constexpr std::array kKinds = {"goto"sv, "stop"sv};
+constexpr std::array kTaskKinds = {"goto"sv, "explore"sv, "return"sv};
+constexpr std::array kTaskStates = {"active"sv, "done"sv, "failed"sv, "cancelled"sv, "expired"sv};
 constexpr std::array kStates = {"sent"sv,    "accepted"sv, "refused"sv, "superseded"sv,
                                 "arrived"sv, "stopped"sv,  "expired"sv, "blocked"sv};
 constexpr std::array kLocalizations = {"localized"sv, "unsure"sv, "lost"sv};
@@ -27,6 +29,7 @@ constexpr Rule kNotNegative{.lowest = 0.0};
 constexpr Rule kCount{.lowest = 0.0};
 constexpr Rule kName{.max_size = kMaxNameChars, .name = true};
 constexpr Rule kText{.max_size = 1024};
+constexpr Rule kExpiry{.lowest = 1.0, .highest = 86'400.0};
 constexpr Rule kCellSize{.lowest = 10.0, .highest = 2000.0};
 
 Rule one_of(std::span<const std::string_view> choices) { return Rule{.choices = choices}; }
@@ -67,6 +70,31 @@ void describe(V& v, M& m) {
   v.required("to_go_m", m.to_go_m, kNotNegative);
   v.required("revision", m.revision, kCount);
   v.required("path", m.path, list_of(kMaxPathPoints));
+  v.optional("eta_s", m.eta_s, kNotNegative);
+}
+
+template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, TaskJson>
+void describe(V& v, M& m) {
+  v.required("id", m.id, kCount);
+  v.required("kind", m.kind, one_of(kTaskKinds));
+  v.required("state", m.state, one_of(kTaskStates));
+  v.required("why", m.why, kText);
+  v.required("legs", m.legs, kCount);
+  v.required("legs_all", m.legs_all, kCount);
+  v.required("rounds", m.rounds, kCount);
+  v.required("waiting", m.waiting, kCount);
+  v.required("expires_s", m.expires_s, kNotNegative);
+  v.optional("eta_s", m.eta_s, kNotNegative);
+}
+
+template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, AreaJson>
+void describe(V& v, M& m) {
+  v.required("west_m", m.west_m, kCoordinate);
+  v.required("south_m", m.south_m, kCoordinate);
+  v.required("east_m", m.east_m, kCoordinate);
+  v.required("north_m", m.north_m, kCoordinate);
 }
 
 template <class V, class M>
@@ -87,6 +115,7 @@ void describe(V& v, M& m) {
   v.required("localization", m.localization, one_of(kLocalizations));
   v.required("link", m.link);
   v.optional("command", m.command);
+  v.optional("task", m.task);
 }
 
 template <class V, class M>
@@ -127,8 +156,31 @@ void describe(V& v, M& m) {
   v.required("y_m", m.y_m, kCoordinate);
   v.defaulted("unknown", m.unknown, one_of(kUnknown));
   v.defaulted("on_link_loss", m.on_link_loss, one_of(kOnLinkLoss));
-  v.defaulted("expires_s", m.expires_s, Rule{.lowest = 1.0, .highest = 86'400.0});
+  v.defaulted("expires_s", m.expires_s, kExpiry);
   v.defaulted("allow_partial", m.allow_partial);
+  v.defaulted("then", m.then, list_of(kMaxWaypoints));
+  v.defaulted("loop", m.loop);
+  v.defaulted("queue", m.queue);
+}
+
+template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, ExploreRequest>
+void describe(V& v, M& m) {
+  v.optional("robot", m.robot, kName);
+  v.optional("area", m.area);
+  v.defaulted("on_link_loss", m.on_link_loss, one_of(kOnLinkLoss));
+  v.defaulted("expires_s", m.expires_s, kExpiry);
+  v.defaulted("queue", m.queue);
+}
+
+template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, ReturnRequest>
+void describe(V& v, M& m) {
+  v.optional("robot", m.robot, kName);
+  v.defaulted("unknown", m.unknown, one_of(kUnknown));
+  v.defaulted("on_link_loss", m.on_link_loss, one_of(kOnLinkLoss));
+  v.defaulted("expires_s", m.expires_s, kExpiry);
+  v.defaulted("queue", m.queue);
 }
 
 template <class V, class M>
@@ -145,6 +197,7 @@ void describe(V& v, M& m) {
   v.required("length_m", m.length_m, kNotNegative);
   v.required("cost_m", m.cost_m, kNotNegative);
   v.required("path", m.path, list_of(kMaxPathPoints));
+  v.defaulted("task", m.task, kCount);
 }
 
 template <class V, class M>
@@ -221,11 +274,15 @@ static void write(nlohmann::json& json, const T& message) {
 CAIRN_MESSAGE(PointJson)
 CAIRN_MESSAGE(LinkJson)
 CAIRN_MESSAGE(CommandJson)
+CAIRN_MESSAGE(TaskJson)
+CAIRN_MESSAGE(AreaJson)
 CAIRN_MESSAGE(RobotJson)
 CAIRN_MESSAGE(SiteJson)
 CAIRN_MESSAGE(StatusReply)
 CAIRN_MESSAGE(FoundRequest)
 CAIRN_MESSAGE(GotoRequest)
+CAIRN_MESSAGE(ExploreRequest)
+CAIRN_MESSAGE(ReturnRequest)
 CAIRN_MESSAGE(StopRequest)
 CAIRN_MESSAGE(CommandReply)
 CAIRN_MESSAGE(PlanRequestJson)

@@ -16,6 +16,7 @@ namespace cairn::api {
 inline constexpr double kMaxCoordinateM = 100'000.0;
 inline constexpr std::size_t kMaxNameChars = 32;  ///< Robot ids and site names: [a-z0-9_-]+
 inline constexpr std::size_t kMaxPathPoints = 4096;
+inline constexpr std::size_t kMaxWaypoints = 256;
 inline constexpr std::size_t kMaxTrackPoints = 100'000;  ///< Per robot.
 inline constexpr std::size_t kMaxSites = 256;
 inline constexpr std::size_t kMaxRobots = 1024;
@@ -48,6 +49,28 @@ struct CommandJson {
   double to_go_m = 0.0;
   std::uint32_t revision = 0;   ///< Paths sent for this goal so far.
   std::vector<PointJson> path;  ///< As last sent.
+  std::optional<double> eta_s;  ///< Until the goal, at the speed the robot drove lately.
+};
+
+/// What a robot is to do in all, of which a command is one leg.
+struct TaskJson {
+  std::uint64_t id = 0;         ///< Counts the tasks that this server was given since it started.
+  std::string kind;             ///< "goto", "explore", "return"
+  std::string state;            ///< "active", "done", "failed", "cancelled", "expired"
+  std::string why;              ///< Also while active: what it waits for.
+  std::uint64_t legs = 0;       ///< Reached so far: waypoints or frontiers.
+  std::uint64_t legs_all = 0;   ///< Of one round; 0: nobody knows.
+  std::uint64_t rounds = 0;     ///< Of a loop, finished.
+  std::uint64_t waiting = 0;    ///< Tasks behind it in the queue.
+  double expires_s = 0.0;       ///< From now; 0 at its end.
+  std::optional<double> eta_s;  ///< Until its end; not for loops and exploring.
+};
+
+struct AreaJson {
+  double west_m = 0.0;
+  double south_m = 0.0;
+  double east_m = 0.0;
+  double north_m = 0.0;
 };
 
 struct RobotJson {
@@ -66,6 +89,7 @@ struct RobotJson {
   std::string localization;  ///< "localized", "unsure", "lost"
   LinkJson link;
   std::optional<CommandJson> command;  ///< The newest command, also after its end.
+  std::optional<TaskJson> task;        ///< The newest task, also after its end.
 };
 
 struct SiteJson {
@@ -97,9 +121,29 @@ struct GotoRequest {
   double x_m = 0.0;
   double y_m = 0.0;
   std::string unknown = "allowed";    ///< "blocked", "allowed"
-  std::string on_link_loss = "stop";  ///< "stop", "continue"
-  double expires_s = 600.0;           ///< [Limit: 1 … 86400]
+  std::string on_link_loss = "stop";  ///< "stop", "continue", "return"
+  double expires_s = 600.0;           ///< [Limit: 1 … 86400] Of all of it.
   bool allow_partial = false;
+  std::vector<PointJson> then;  ///< Places to go to after that. [Limit: ≤ kMaxWaypoints]
+  bool loop = false;            ///< Round and round until it expires.
+  bool queue = false;           ///< After what the robot does now, instead of in its place.
+};
+
+struct ExploreRequest {
+  std::optional<std::string> robot;
+  std::optional<AreaJson> area;  ///< Only there.
+  std::string on_link_loss = "return";
+  double expires_s = 3600.0;
+  bool queue = false;
+};
+
+/// To where the robot was when this server first met it.
+struct ReturnRequest {
+  std::optional<std::string> robot;
+  std::string unknown = "allowed";
+  std::string on_link_loss = "continue";
+  double expires_s = 600.0;
+  bool queue = false;
 };
 
 struct StopRequest {
@@ -109,11 +153,12 @@ struct StopRequest {
 struct CommandReply {
   std::uint64_t command = 0;
   std::string robot;
-  std::string status;  ///< Of the path: "complete", "partial"
+  std::string status;  ///< Of the path: "complete", "partial"; "queued": not begun yet.
   std::string why;
   double length_m = 0.0;
   double cost_m = 0.0;
   std::vector<PointJson> path;
+  std::uint64_t task = 0;  ///< 0: none (a stop).
 };
 
 struct PlanRequestJson {
@@ -162,11 +207,15 @@ struct MapReply {
 void to_json(nlohmann::json& json, const PointJson& message);
 void to_json(nlohmann::json& json, const LinkJson& message);
 void to_json(nlohmann::json& json, const CommandJson& message);
+void to_json(nlohmann::json& json, const TaskJson& message);
+void to_json(nlohmann::json& json, const AreaJson& message);
 void to_json(nlohmann::json& json, const RobotJson& message);
 void to_json(nlohmann::json& json, const SiteJson& message);
 void to_json(nlohmann::json& json, const StatusReply& message);
 void to_json(nlohmann::json& json, const FoundRequest& message);
 void to_json(nlohmann::json& json, const GotoRequest& message);
+void to_json(nlohmann::json& json, const ExploreRequest& message);
+void to_json(nlohmann::json& json, const ReturnRequest& message);
 void to_json(nlohmann::json& json, const StopRequest& message);
 void to_json(nlohmann::json& json, const CommandReply& message);
 void to_json(nlohmann::json& json, const PlanRequestJson& message);

@@ -78,6 +78,7 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
   if (path_m.empty()) return end(CommandState::refused, "it has no path");
   path_points_ = path_m.size();
   follower_.emplace(config_.follower, std::move(path_m));
+  way_back_m_.reset();
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
@@ -97,17 +98,30 @@ void Driver::end(CommandState how, std::string why) {
 
 std::vector<proto::CommandReport> Driver::take_reports() { return std::exchange(reports_, {}); }
 
+bool Driver::mind_link(const Pose& pose, Duration silence) {
+  const bool lost = silence > std::chrono::milliseconds(command_.link_timeout_ms);
+  if (way_back_m_ && !lost) {
+    end(CommandState::stopped,
+        in_metres("the link was lost: came back %.1f m", *way_back_m_ - follower_->to_go_m()));
+    return true;
+  }
+  if (!lost || way_back_m_ || command_.on_link_loss == proto::OnLinkLoss::proceed) return false;
+  if (command_.on_link_loss == proto::OnLinkLoss::stop) {
+    end(CommandState::stopped, in_metres("the link was silent for %.1f s", to_seconds(silence)));
+    return true;
+  }
+  follower_.emplace(config_.follower, track_.back_from({pose.x_m, pose.y_m}));
+  way_back_m_ = follower_->to_go_m();
+  return false;
+}
+
 std::optional<std::string> Driver::reason_to_end(const Pose& pose, MonotonicTime clock,
                                                  std::optional<Duration> silence) {
   if (to_ms(clock) >= command_.expires_clock_ms) {
     end(CommandState::expired, "its time was over before the goal was reached");
     return reports_.back().why;
   }
-  const auto timeout = std::chrono::milliseconds(command_.link_timeout_ms);
-  if (command_.on_link_loss == proto::OnLinkLoss::stop && silence.value_or(Duration{}) > timeout) {
-    end(CommandState::stopped, in_metres("the link was silent for %.1f s", to_seconds(*silence)));
-    return reports_.back().why;
-  }
+  if (mind_link(pose, silence.value_or(Duration{}))) return reports_.back().why;
   if (std::max(std::abs(pose.roll_rad), std::abs(pose.pitch_rad)) > config_.max_tilt_rad) {
     end(CommandState::stopped, "the ground is too steep here");
     return reports_.back().why;
@@ -118,6 +132,7 @@ std::optional<std::string> Driver::reason_to_end(const Pose& pose, MonotonicTime
 DriveCommand Driver::step(const Pose& pose, const CellLookup& cells, int cell_size_mm,
                           std::uint8_t min_probability, MonotonicTime clock,
                           std::optional<Duration> silence) {
+  track_.add({pose.x_m, pose.y_m});
   if (!busy() || reason_to_end(pose, clock, silence)) return {};
   if (localization_ == LocalizationState::lost) return look_around(pose);
   return follow(pose, {cells, cell_size_mm, min_probability}, clock, silence);
@@ -156,7 +171,9 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
   const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
   follower_->advance(place_m);
   if ((follower_->end_m() - place_m).norm() <= config_.arrive_m) {
-    if (path_points_ < proto::kMaxPathPoints) {
+    if (way_back_m_) {
+      end(CommandState::stopped, "the link was lost: came back all the way");
+    } else if (path_points_ < proto::kMaxPathPoints) {
       arrive();
     } else {
       block("the path ends here: the rest, please", clock);

@@ -13,6 +13,7 @@
 #include "robot_agent/drive/detour.h"
 #include "robot_agent/drive/local_view.h"
 #include "robot_agent/drive/path_follower.h"
+#include "robot_agent/drive/track.h"
 
 namespace cairn::agent {
 
@@ -47,10 +48,11 @@ struct DriverConfig {
 };
 
 /// Carries out commands: one at a time, newest wins. Stops by itself when the command expires, when
-/// the link is silent for too long (if the command says so) and when the robot tilts. Where the way
-/// is closed for more than a moment it goes around, on its own map; where it finds no way around it
-/// waits for the server's next path. A robot that is not sure where it is drives slowly; a lost one
-/// does not drive, it looks around.
+/// the link is silent for too long (if the command says so: there, or back along its track until
+/// the server is heard again) and when the robot tilts. Where the way is closed for more than a
+/// moment it goes around, on its own map; where it finds no way around it waits for the server's
+/// next path. A robot that is not sure where it is drives slowly; a lost one does not drive, it
+/// looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
@@ -82,6 +84,8 @@ class Driver {
   void end(proto::CommandState how, std::string why);
   void report(proto::CommandState state, std::string why);
   void block(std::string why, MonotonicTime clock);
+  /// What a silent link asks for; true when the command has ended by it.
+  bool mind_link(const Pose& pose, Duration silence);
   [[nodiscard]] std::optional<std::string> reason_to_end(const Pose& pose, MonotonicTime clock,
                                                          std::optional<Duration> silence);
   DriveCommand follow(const Pose& pose, const OwnMap& map, MonotonicTime clock,
@@ -111,6 +115,9 @@ class Driver {
   proto::Command command_;
   std::optional<PathFollower> follower_;
   std::size_t path_points_ = 0;
+  Track track_;
+  /// [m] What lay before the robot when it turned back for the link's sake; only while it does.
+  std::optional<double> way_back_m_;
   MonotonicTime blocked_since_{};
   bool blocked_reported_ = false;
   std::optional<Eigen::Vector2d> backing_from_m_;  ///< Where it began to back up, if it does.

@@ -41,6 +41,14 @@ bool call_method(Service& service, const std::string& method, const nlohmann::js
     with<api::GotoRequest, api::CommandReply>(
         params, std::move(reply),
         [&](const auto& p, auto answer) { service.go_to(p, std::move(answer)); });
+  } else if (method == "explore") {
+    with<api::ExploreRequest, api::CommandReply>(
+        params, std::move(reply),
+        [&](const auto& p, auto answer) { service.explore(p, std::move(answer)); });
+  } else if (method == "return") {
+    with<api::ReturnRequest, api::CommandReply>(
+        params, std::move(reply),
+        [&](const auto& p, auto answer) { service.go_home(p, std::move(answer)); });
   } else if (method == "stop") {
     with<api::StopRequest, api::CommandReply>(
         params, std::move(reply),

@@ -32,6 +32,8 @@ class Service {
   virtual void status(Reply<api::StatusReply> reply) = 0;
   virtual void found(const api::FoundRequest& request, Reply<api::SiteJson> reply) = 0;
   virtual void go_to(const api::GotoRequest& request, Reply<api::CommandReply> reply) = 0;
+  virtual void explore(const api::ExploreRequest& request, Reply<api::CommandReply> reply) = 0;
+  virtual void go_home(const api::ReturnRequest& request, Reply<api::CommandReply> reply) = 0;
   virtual void stop(const api::StopRequest& request, Reply<api::CommandReply> reply) = 0;
   virtual void plan(const api::PlanRequestJson& request, Reply<api::PlanReply> reply) = 0;
   /// An empty site name means the only one.

@@ -66,6 +66,16 @@ std::vector<proto::PathPart::Point> to_wire_points(const std::vector<Eigen::Vect
   return points;
 }
 
+/// How a goal's end looks to its task.
+std::optional<LegEnd> leg_end(const std::string& state, const std::string& why) {
+  if (state == "arrived") return LegEnd::reached;
+  if (state == "expired") return LegEnd::out_of_time;
+  if (state == "refused" || state == "superseded") return LegEnd::out_of_hand;
+  if (state == "stopped")
+    return why.starts_with("lost") ? LegEnd::out_of_hand : LegEnd::not_reached;
+  return {};
+}
+
 }  // namespace
 
 Mission::Mission(Hub::Strand strand, asio::any_io_executor executor, std::shared_ptr<Hub> hub,
@@ -107,37 +117,20 @@ Result<Robot*> Mission::robot_for(const std::optional<std::string>& name) {
   return &robots.begin()->second;
 }
 
-void Mission::go_to(const api::GotoRequest& request,
-                    const Service::Reply<api::CommandReply>& reply) {
-  Result<Robot*> found = robot_for(request.robot);
-  if (!found) return reply(found.error());
-  Robot& robot = **found;
-  if (!robot.pose) {
-    return reply(Error{
+Result<Robot*> Mission::placed_robot_for(const std::optional<std::string>& name) {
+  Result<Robot*> found = robot_for(name);
+  if (found && !(*found)->pose) {
+    return Error{
         ErrorCode::unavailable,
-        fmt::format("robot '{}' has not told its pose yet: try again in a moment", robot.id)});
+        fmt::format("robot '{}' has not told its pose yet: try again in a moment", (*found)->id)};
   }
-  Goal goal;
-  goal.planner = config_.planner;
-  goal.planner.unknown =
-      request.unknown == "blocked" ? UnknownGround::blocked : UnknownGround::allowed;
-  goal.allow_partial = request.allow_partial;
-  goal.expires = Hub::now() + from_seconds(request.expires_s);
-  goal.command.kind = proto::CommandKind::go_to;
-  goal.command.issuer = "operator";
-  goal.command.on_link_loss =
-      request.on_link_loss == "continue" ? proto::OnLinkLoss::proceed : proto::OnLinkLoss::stop;
-  goal.command.goal_x_mm = to_mm(request.x_m);
-  goal.command.goal_y_mm = to_mm(request.y_m);
-  plan(robot, goal, {}, [self = shared_from_this(), id = robot.id, goal, reply](const Planned& p) {
-    self->issue(id, goal, p, reply);
-  });
+  return found;
 }
 
-void Mission::stop(const api::StopRequest& request,
-                   const Service::Reply<api::CommandReply>& reply) {
+void Mission::stop(const api::StopRequest& request, const Reply& reply) {
   Result<Robot*> found = robot_for(request.robot);
   if (!found) return reply(found.error());
+  duties_[(*found)->id].tasks.cancel("stopped by the operator");
   Goal goal;
   goal.command.kind = proto::CommandKind::stop;
   goal.command.issuer = "operator";
@@ -153,28 +146,34 @@ void Mission::plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vect
   request.start_m = {robot.x_m(), robot.y_m()};
   request.goal_m = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
   request.allow_partial = goal.allow_partial;
-  asio::post(
-      executor_, [self = shared_from_this(), map = robot.site->snapshot(), request,
-                  planner = goal.planner, keep_m = std::move(keep_m), done = std::move(done)] {
-        const MonotonicTime began = Hub::now();
-        Planned planned;
-        planned.map_version = map->version;
-        const auto grid = drivable_grid(*map, {request.start_m, request.goal_m}, planner,
-                                        self->config_.min_probability);
-        if (!grid) {
-          planned.path.why = grid.error().message;
-        } else if (!keep_m.empty() && path_is_open(*grid, rest_of(keep_m, request.start_m))) {
-          planned.kept = true;
-        } else {
-          planned.path = cairn::plan(*grid, request, planner);
-        }
-        planned.took = Hub::now() - began;
-        asio::post(self->strand_, [done, planned = std::move(planned)] { done(planned); });
-      });
+  std::optional<ExploreWish> exploring;
+  if (const auto duty = duties_.find(robot.id); goal.of_task && duty != duties_.end()) {
+    Task* task = duty->second.tasks.current();
+    if (task != nullptr && task->kind == TaskKind::explore) exploring = wish_of(robot, *task);
+  }
+  asio::post(executor_, [self = shared_from_this(), map = robot.site->snapshot(), request,
+                         planner = goal.planner, keep_m = std::move(keep_m), done = std::move(done),
+                         exploring = std::move(exploring)] {
+    const MonotonicTime began = Hub::now();
+    Planned planned;
+    planned.map_version = map->version;
+    const auto grid = drivable_grid(*map, {request.start_m, request.goal_m}, planner,
+                                    self->config_.min_probability);
+    if (!grid) {
+      planned.path.why = grid.error().message;
+    } else if (exploring && !still_a_frontier(*grid, *exploring, request.goal_m)) {
+      planned.seen = true;
+    } else if (!keep_m.empty() && path_is_open(*grid, rest_of(keep_m, request.start_m))) {
+      planned.kept = true;
+    } else {
+      planned.path = cairn::plan(*grid, request, planner);
+    }
+    planned.took = Hub::now() - began;
+    asio::post(self->strand_, [done, planned = std::move(planned)] { done(planned); });
+  });
 }
 
-void Mission::issue(const std::string& id, Goal goal, const Planned& planned,
-                    const Service::Reply<api::CommandReply>& reply) {
+void Mission::issue(const std::string& id, Goal goal, const Planned& planned, const Reply& reply) {
   if (planned.path.status == PathStatus::none) {
     return reply(Error{ErrorCode::invalid_argument, "no path: " + planned.path.why});
   }
@@ -233,12 +232,13 @@ void Mission::reported(Robot& robot, const proto::CommandReport& report) {
   spdlog::info("robot {}: command {} {}{}{}", robot.id, report.command, goal.state,
                report.why.empty() ? "" : ": ", report.why);
   goal.wants_plan = report.state == proto::CommandState::blocked;
-  if (goal.wants_plan) count_blockade(robot, goal);
+  if (goal.wants_plan) return count_blockade(robot, goal);
+  if (const auto how = leg_end(goal.state, goal.why)) leg_ended(robot, goal, *how);
 }
 
 void Mission::count_blockade(Robot& robot, Goal& goal) {
   const Eigen::Vector2d place_m(robot.x_m(), robot.y_m());
-  const bool same_place = (place_m - goal.blocked_at_m).norm() <= kSamePlaceM;
+  const bool same_place = (place_m - goal.blocked_at_m).norm() <= kBlockadeM;
   goal.times_blocked_here = same_place ? goal.times_blocked_here + 1 : 1;
   if (!same_place) goal.blocked_at_m = place_m;
   if (goal.times_blocked_here >= kMaxBlockades) give_up(robot, goal, goal.why);
@@ -248,7 +248,7 @@ void Mission::check(Robot& robot, Goal& goal) {
   const MonotonicTime now = Hub::now();
   if (now >= goal.expires) {  // The robot's own clock says so too; it may be out of reach.
     goal.state = "expired";
-    return;
+    return leg_ended(robot, goal, LegEnd::out_of_time);
   }
   if (goal.planning || goal.command.kind != proto::CommandKind::go_to || now < goal.next_check) {
     return;
@@ -269,10 +269,12 @@ void Mission::replanned(const std::string& id, std::uint64_t command, const Plan
   Goal& goal = found->second;
   goal.planning = false;
   goal.checked_map = planned.map_version;
-  goal.next_check = Hub::now() + std::max(from_seconds(to_seconds(planned.took) / kCheckShare),
-                                          Duration(goal.wants_plan ? 1'000'000 : 300'000));
+  const Duration pause = goal.wants_plan ? kLookPeriod : Duration(300'000);
+  goal.next_check =
+      Hub::now() + std::max(from_seconds(to_seconds(planned.took) / kCheckShare), pause);
   if (!goal.active() || planned.kept) return;
   Robot& robot = hub_->robots().at(id);
+  if (planned.seen) return leg_ended(robot, goal, LegEnd::seen);
   if (planned.path.status == PathStatus::none) {
     return give_up(robot, goal, planned.path.why);
   }
@@ -299,6 +301,7 @@ void Mission::give_up(Robot& robot, Goal& goal, const std::string& why) {
   goal.state = "stopped";
   goal.why = "no way any more: " + why;
   spdlog::info("robot {}: command {} given up: {}", robot.id, goal.command.id, why);
+  leg_ended(robot, goal, LegEnd::not_reached);
 }
 
 void Mission::tick() {
@@ -306,6 +309,7 @@ void Mission::tick() {
   for (auto& [id, goal] : goals_) {
     if (Robot* robot = hub_->find(id); robot != nullptr && goal.active()) check(*robot, goal);
   }
+  for (auto& [id, robot] : hub_->robots()) mind(robot, duties_[id]);
   timer_.expires_after(kTick);
   timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
     if (!error) self->tick();
@@ -324,6 +328,11 @@ std::optional<api::CommandJson> Mission::describe(const std::string& robot) cons
   json.goal = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
   json.revision = goal.command.revision;
   json.path = to_json_points(goal.path_m);
+  const Robot* known = hub_->find(robot);
+  if (known != nullptr && known->pose && known->pose->command == json.id) {
+    json.to_go_m = known->pose->to_go_mm / 1000.0;
+  }
+  if (goal.active()) json.eta_s = seconds_to_go(robot, nullptr);
   return json;
 }
 

@@ -145,7 +145,7 @@ class RandomRecords {
             pick<CommandKind>(1, 2),
             text(),
             whole<std::uint64_t>(),
-            pick<OnLinkLoss>(0, 1),
+            pick<OnLinkLoss>(0, 2),
             whole<std::uint32_t>(),
             whole<std::uint64_t>(),
             coordinate(),

@@ -41,7 +41,7 @@ TEST(Frontiers, AreWhereReachableGroundMeetsTheUnseen) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].place_m, Eigen::Vector2d(4.5, 1.5));
   EXPECT_EQ(found[0].way_m, 3.0);
-  EXPECT_EQ(found[0].cells, 2);
+  EXPECT_EQ(found[0].edge.size(), 2U);
   EXPECT_EQ(found[0].new_area_m2, 4.0);
 }
 
@@ -54,9 +54,9 @@ TEST(Frontiers, BehindWallsAreNotReachable) {
 }
 
 TEST(Frontiers, AreRankedByNewGroundForTheWay) {
-  const DrivableGrid grid = drawn({"##########",   //
+  const DrivableGrid grid = drawn({"###########",   //
                                    "# .......  ",  //
-                                   "##########"});
+                                   "###########"});
   // From the middle the larger one is chosen, from beside it the smaller one.
   const auto middle = find_frontiers(grid, {5.5, 1.5}, kSmall);
   ASSERT_EQ(middle.size(), 2U);

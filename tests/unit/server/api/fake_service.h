@@ -36,6 +36,14 @@ class FakeService final : public Service {
     last_goto = request;
     reply(api::CommandReply{7, request.robot.value_or("r1"), "complete", "", 5.0, 6.0, {{1, 2}}});
   }
+  void explore(const api::ExploreRequest& request, Reply<api::CommandReply> reply) override {
+    const std::lock_guard lock(mutex_);
+    last_explore = request;
+    reply(api::CommandReply{9, request.robot.value_or("r1"), "complete", "", 5.0, 6.0, {}, 2});
+  }
+  void go_home(const api::ReturnRequest& request, Reply<api::CommandReply> reply) override {
+    reply(api::CommandReply{10, request.robot.value_or("r1"), "complete", "", 5.0, 6.0, {}, 3});
+  }
   void stop(const api::StopRequest& request, Reply<api::CommandReply> reply) override {
     if (request.robot == "ghost") {
       return reply(Error{ErrorCode::not_found, "no robot ghost: see `cairn status`"});
@@ -83,6 +91,7 @@ class FakeService final : public Service {
   api::StatusReply status_reply{"0.1.0", 1.5, {}, {}};
   std::vector<std::pair<TileKey, std::shared_ptr<const PackedTile>>> tiles;
   std::optional<api::GotoRequest> last_goto;
+  std::optional<api::ExploreRequest> last_explore;
   bool holds_back = false;
 
  private:
