@@ -47,23 +47,23 @@ struct CommandJson {
   std::string why;
   PointJson goal;
   double to_go_m = 0.0;
-  std::uint32_t revision = 0;   ///< Paths sent for this goal so far.
-  std::vector<PointJson> path;  ///< As last sent.
-  std::optional<double> eta_s;  ///< Until the goal, at the speed the robot drove lately.
+  std::uint32_t revision = 0;     ///< Paths sent for this goal so far.
+  std::vector<PointJson> path;    ///< As last sent.
+  std::optional<double> eta_s{};  ///< Until the goal, at the speed the robot drove lately.
 };
 
 /// What a robot is to do in all, of which a command is one leg.
 struct TaskJson {
-  std::uint64_t id = 0;         ///< Counts the tasks that this server was given since it started.
-  std::string kind;             ///< "goto", "explore", "return"
-  std::string state;            ///< "active", "done", "failed", "cancelled", "expired"
-  std::string why;              ///< Also while active: what it waits for.
-  std::uint64_t legs = 0;       ///< Reached so far: waypoints or frontiers.
-  std::uint64_t legs_all = 0;   ///< Of one round; 0: nobody knows.
-  std::uint64_t rounds = 0;     ///< Of a loop, finished.
-  std::uint64_t waiting = 0;    ///< Tasks behind it in the queue.
-  double expires_s = 0.0;       ///< From now; 0 at its end.
-  std::optional<double> eta_s;  ///< Until its end; not for loops and exploring.
+  std::uint64_t id = 0;           ///< Counts the tasks that this server was given since it started.
+  std::string kind;               ///< "goto", "explore", "return"
+  std::string state;              ///< "active", "done", "failed", "cancelled", "expired"
+  std::string why;                ///< Also while active: what it waits for.
+  std::uint64_t legs = 0;         ///< Reached so far: waypoints or frontiers.
+  std::uint64_t legs_all = 0;     ///< Of one round; 0: nobody knows.
+  std::uint64_t rounds = 0;       ///< Of a loop, finished.
+  std::uint64_t waiting = 0;      ///< Tasks behind it in the queue.
+  double expires_s = 0.0;         ///< From now; 0 at its end.
+  std::optional<double> eta_s{};  ///< Until its end; not for loops and exploring.
 };
 
 struct AreaJson {
@@ -89,7 +89,7 @@ struct RobotJson {
   std::string localization;  ///< "localized", "unsure", "lost"
   LinkJson link;
   std::optional<CommandJson> command;  ///< The newest command, also after its end.
-  std::optional<TaskJson> task;        ///< The newest task, also after its end.
+  std::optional<TaskJson> task{};      ///< The newest task, also after its end.
 };
 
 struct SiteJson {
@@ -124,14 +124,14 @@ struct GotoRequest {
   std::string on_link_loss = "stop";  ///< "stop", "continue", "return"
   double expires_s = 600.0;           ///< [Limit: 1 … 86400] Of all of it.
   bool allow_partial = false;
-  std::vector<PointJson> then;  ///< Places to go to after that. [Limit: ≤ kMaxWaypoints]
-  bool loop = false;            ///< Round and round until it expires.
-  bool queue = false;           ///< After what the robot does now, instead of in its place.
+  std::vector<PointJson> then{};  ///< Places to go to after that. [Limit: ≤ kMaxWaypoints]
+  bool loop = false;              ///< Round and round until it expires.
+  bool queue = false;             ///< After what the robot does now, instead of in its place.
 };
 
 struct ExploreRequest {
   std::optional<std::string> robot;
-  std::optional<AreaJson> area;  ///< Only there.
+  std::optional<AreaJson> area{};  ///< Only there.
   std::string on_link_loss = "return";
   double expires_s = 3600.0;
   bool queue = false;

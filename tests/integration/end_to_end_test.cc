@@ -73,6 +73,31 @@ TEST_F(EndToEnd, ARobotArrivesWhereItIsSentAndTheMapOutlivesACrash) {
   EXPECT_EQ(known_cells(), before);
 }
 
+TEST_F(EndToEnd, ARobotExploresAnAreaGoesRoundAndReturns) {
+  Process agent = start_agent(folder_, "r1", {"--world", "room", "--site", "lab", "--speed", "6"});
+  ASSERT_TRUE(connected("r1")) << agent.output();
+  ASSERT_TRUE(eventually([&] { return known_cells() > 500; }, 20s));
+  const std::uint64_t before = known_cells();
+
+  const Finished explored = server_.cairn({"explore", "r1", "--area", "1,1,5,4", "--follow"}, 90s);
+  EXPECT_EQ(explored.exit_code, 0) << explored.output << agent.output();
+  EXPECT_NE(explored.output.find("left to explore"), std::string::npos) << explored.output;
+  EXPECT_GT(known_cells(), before + 300);
+  EXPECT_NE(server_.cairn({"explore", "--area", "2,2,3,3"}).exit_code, 0) << "it is known";
+
+  const Finished round = server_.cairn({"goto", "r1", "3.5,2.5", "2.5,3", "--follow"}, 60s);
+  EXPECT_EQ(round.exit_code, 0) << round.output << agent.output();
+  EXPECT_NE(round.output.find("goto done, 2 of 2 places"), std::string::npos) << round.output;
+
+  ASSERT_EQ(server_.cairn({"goto", "3.5,2.5", "3,2"}).exit_code, 0);
+  const Finished queued = server_.cairn({"return", "--queue", "--follow"}, 60s);
+  EXPECT_EQ(queued.exit_code, 0) << queued.output << agent.output();
+  EXPECT_NE(queued.output.find("queued"), std::string::npos) << queued.output;
+  const json robot = server_.status()["robots"][0];
+  EXPECT_LT(std::hypot(robot["x_m"].get<double>() - 2.5, robot["y_m"].get<double>() - 2.5), 0.2);
+  EXPECT_EQ(robot["task"]["kind"], "return");
+}
+
 TEST_F(EndToEnd, AStopReachesADrivingRobot) {
   Process agent = start_agent(folder_, "r1", {"--world", "room", "--site", "lab"});
   ASSERT_TRUE(connected("r1")) << agent.output();

@@ -68,6 +68,29 @@ TEST_F(CommandsTest, GotoReturnsOnceTheCommandIsSentOrFollowsToArrival) {
   EXPECT_THAT(out_.str(), HasSubstr("r1 arrived"));
 }
 
+TEST_F(CommandsTest, TasksAreSentAndFollowedToTheirEnd) {
+  EXPECT_EQ(cairn({"explore", "--area", "0,0,5,5"}), kExitOk);
+  EXPECT_THAT(out_.str(), HasSubstr("task to explore sent to r1 (command 9)"));
+  EXPECT_EQ(service_.last_explore->area->east_m, 5.0);
+  EXPECT_EQ(cairn({"goto", "1,2", "3,4", "--loop"}), kExitOk);
+  EXPECT_EQ(service_.last_goto->then[0].y_m, 4.0);
+
+  auto& task = service_.status_reply.robots[0].task.emplace();
+  task.id = 2;
+  task.kind = "explore";
+  task.state = "done";
+  task.legs = 5;
+  EXPECT_EQ(cairn({"explore", "--follow"}), kExitOk) << err_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("r1 explore done, 5 places"));
+  task.state = "failed";
+  task.why = "stuck";
+  EXPECT_EQ(cairn({"explore", "--follow"}), kExitFailed);
+  EXPECT_EQ(err_.str(), "cairn: r1 explore failed, 5 places: stuck\n");
+  task.id = 4;
+  EXPECT_EQ(cairn({"return", "--follow"}), kExitFailed);
+  EXPECT_THAT(err_.str(), HasSubstr("does task 4"));
+}
+
 TEST_F(CommandsTest, FollowFailsWhenTheRobotRefuses) {
   service_.status_reply.robots[0].command->state = "refused";
   service_.status_reply.robots[0].command->why = "lost";

@@ -77,6 +77,30 @@ TEST(Arguments, TakeOptionsFromAFileAndRefuseUnknownKeys) {
   EXPECT_THAT(refused.err, HasSubstr("sevrer"));
 }
 
+TEST(Arguments, TakePlacesInARow) {
+  const auto go = command<GotoCommand>({"goto", "r2", "1,2", "-3,.5", "0,0", "--loop", "--queue"});
+  EXPECT_EQ(go.request.robot, "r2");
+  EXPECT_EQ(go.request.x_m, 1.0);
+  ASSERT_EQ(go.request.then.size(), 2U);
+  EXPECT_EQ(go.request.then[0].x_m, -3.0);
+  EXPECT_TRUE(go.request.loop);
+  EXPECT_TRUE(go.request.queue);
+  EXPECT_EQ(command<GotoCommand>({"goto", "-3,2"}).request.y_m, 2.0);
+  EXPECT_EQ(command<GotoCommand>({"goto", "5", "1,2"}).request.robot, "5");
+  EXPECT_EQ(command<GotoCommand>({"goto", "5", "1"}).request.robot, std::nullopt);
+}
+
+TEST(Arguments, TakeTasks) {
+  const auto explore = command<ExploreCommand>(
+      {"explore", "r2", "--area", "-1,-2,3,4.5", "--on-link-loss", "stop", "--follow"});
+  EXPECT_EQ(explore.request.robot, "r2");
+  EXPECT_EQ(explore.request.area->south_m, -2.0);
+  EXPECT_EQ(explore.request.on_link_loss, "stop");
+  EXPECT_TRUE(explore.follow);
+  EXPECT_EQ(command<ExploreCommand>({"explore"}).request.area, std::nullopt);
+  EXPECT_EQ(command<ReturnCommand>({"return", "--robot", "r3"}).request.robot, "r3");
+}
+
 TEST(Arguments, AStoreMeansNoServer) {
   const auto plan = command<PlanOnStoreCommand>(
       {"plan", "yard.cairn", "--from", "-1,2", "--to", "3,4", "--radius", "0.3", "--climb", "0.2",
@@ -147,7 +171,8 @@ TEST(Arguments, EndWithUsageWhenTheyAreWrong) {
 }
 
 TEST(Arguments, HelpOfEachCommandTeachesByExample) {
-  for (const char* name : {"status", "found", "goto", "stop", "map", "watch", "plan", "link"}) {
+  for (const char* name :
+       {"status", "found", "goto", "explore", "return", "stop", "map", "watch", "plan", "link"}) {
     const auto help = usage({name, "--help"});
     EXPECT_EQ(help.code, kExitOk);
     EXPECT_THAT(help.out, HasSubstr(std::string("Examples:\n  cairn ")));

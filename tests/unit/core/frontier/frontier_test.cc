@@ -54,7 +54,7 @@ TEST(Frontiers, BehindWallsAreNotReachable) {
 }
 
 TEST(Frontiers, AreRankedByNewGroundForTheWay) {
-  const DrivableGrid grid = drawn({"###########",   //
+  const DrivableGrid grid = drawn({"###########",  //
                                    "# .......  ",  //
                                    "###########"});
   // From the middle the larger one is chosen, from beside it the smaller one.

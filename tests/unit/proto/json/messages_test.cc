@@ -69,6 +69,29 @@ TEST(Messages, RequestsFillInWhatHasADefault) {
   EXPECT_EQ(read->expires_s, 600.0);
 }
 
+TEST(Messages, TasksComeBackAsTheyWereWritten) {
+  GotoRequest go;
+  go.x_m = 1.5;
+  go.then = {{2, 3}, {-4, 5}};
+  go.loop = true;
+  go.on_link_loss = "return";
+  const auto read = from_json<GotoRequest>(json(go));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->then.size(), 2U);
+  EXPECT_EQ(read->then[1].x_m, -4.0);
+  EXPECT_TRUE(read->loop);
+  EXPECT_EQ(read->on_link_loss, "return");
+  ExploreRequest explore;
+  explore.area = AreaJson{-1, -2, 3, 4};
+  EXPECT_EQ(from_json<ExploreRequest>(json(explore))->area->north_m, 4.0);
+  EXPECT_EQ(from_json<ExploreRequest>(json::object())->on_link_loss, "return");
+  EXPECT_EQ(from_json<ReturnRequest>(json::object())->expires_s, 600.0);
+  EXPECT_EQ(fault_of<ExploreRequest>({{"area", {{"west_m", 0}}}}), "missing key \"area.south_m\"");
+  RobotJson robot = some_robot();
+  robot.task = TaskJson{3, "explore", "active", "", 4, 0, 0, 1, 60.0, 12.5};
+  EXPECT_EQ(from_json<RobotJson>(json(robot))->task->eta_s, 12.5);
+}
+
 TEST(Messages, RefuseAnUnknownKeyByItsName) {
   EXPECT_THAT(fault_of<GotoRequest>({{"x_m", 1}, {"y_m", 2}, {"speed", 3}}),
               HasSubstr("unknown key \"speed\""));

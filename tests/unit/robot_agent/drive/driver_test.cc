@@ -222,6 +222,54 @@ TEST_F(DriverTest, DrivesOnInSilenceWhenToldToProceed) {
   EXPECT_EQ(reports.back().state, CommandState::arrived);
 }
 
+/// Drives round a corner, and then the link is lost.
+class LinkLostAfterACorner : public DriverTest {
+ protected:
+  LinkLostAfterACorner() {
+    proto::RobotLink::Order order = go_to(7, {{0, 0}, {2, 0}, {2, 9}});
+    order.command.on_link_loss = OnLinkLoss::retrace;
+    take(order);
+    run(seconds(14));
+    turned_back_m = testing::place_of(pose);
+    EXPECT_GT(turned_back_m.y(), 1.5);
+    silence = seconds(6);
+  }
+  Eigen::Vector2d turned_back_m;
+};
+
+TEST_F(LinkLostAfterACorner, GoesBackTheWayItCameUntilTheServerIsHeard) {
+  run(seconds(10));
+  EXPECT_TRUE(driver.busy());
+  EXPECT_LT(pose.y_m, turned_back_m.y() - 1.0);
+  silence = Duration{};
+  step();
+  EXPECT_EQ(reports.back().state, CommandState::stopped);
+  EXPECT_THAT(reports.back().why, HasSubstr("came back"));
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+}
+
+TEST_F(LinkLostAfterACorner, EndsWhereItBeganWhenTheServerStaysSilent) {
+  double farthest_off_m = 0.0;
+  for (int i = 0; i < 400 && driver.busy(); ++i) {
+    run(milliseconds(200));
+    const bool first_part = pose.y_m < 1.0;
+    farthest_off_m = std::max(farthest_off_m, std::abs(first_part ? pose.y_m : pose.x_m - 2.0));
+  }
+  EXPECT_EQ(reports.back().state, CommandState::stopped);
+  EXPECT_THAT(reports.back().why, HasSubstr("all the way"));
+  EXPECT_LT(testing::place_of(pose).norm(), 0.1);
+  EXPECT_LT(farthest_off_m, 1.01) << "it takes the corner again, not a short cut";
+}
+
+TEST_F(LinkLostAfterACorner, TakesANewGoalOnTheWayBack) {
+  run(seconds(3));
+  silence = Duration{};
+  take(go_to(8, {testing::place_of(pose), {2, 3}}));
+  run(seconds(30));
+  EXPECT_EQ(reports.back().state, CommandState::arrived);
+  EXPECT_EQ(reports.back().command, 8U);
+}
+
 TEST_F(DriverTest, LeavesAGoalForANewerOne) {
   take(go_to(7, {{0, 0}, {3, 0}}));
   run(seconds(1));
