@@ -7,7 +7,7 @@ namespace {
 
 TEST(Track, LeadsBackTheWayItCame) {
   Track track;
-  for (const Eigen::Vector2d place : {Eigen::Vector2d(0, 0), {1, 0}, {1, 0.1}, {1, 1}}) {
+  for (const Eigen::Vector2d& place : {Eigen::Vector2d(0, 0), {1, 0}, {1, 0.1}, {1, 1}}) {
     track.add(place);
   }
   const auto back = track.back_from({2, 1});
