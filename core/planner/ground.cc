@@ -60,6 +60,11 @@ class Pricing {
       other_price = other_price || (price[x] != 0 && price[x] != kCellUnits);
     }
     if (other_price) ground_.uniform = false;
+    for (int x = x0; x <= x1; ++x) {
+      std::uint64_t& word = ground_.open_bits[ground_.open_word(x / 64, y)];
+      const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+      word = open[x] != 0 ? word | bit : word & ~bit;
+    }
   }
 
   void mark_row(int y, int x0, int x1) {
@@ -107,6 +112,7 @@ void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox
     const std::size_t cells = ground.at(0, heights.height + 1);
     ground.lift.resize(cells);
     ground.price.resize(cells);
+    ground.open_bits.resize(ground.open_word(-1, heights.height + 1));
     const auto known = std::find_if(heights.probability.begin(), heights.probability.end(),
                                     [](std::uint8_t p) { return p != 0; });
     if (known != heights.probability.end()) {

@@ -46,6 +46,8 @@ struct PricedGround {
   std::int32_t datum_mm = 0;         ///< Height of lift 0.
   std::vector<std::int32_t> lift;    ///< [cost units] Steps cost their difference, either way.
   std::vector<std::uint16_t> price;  ///< [cost units] To cross the cell; 0 = closed. See kUneven.
+  /// One bit per cell that is open, 64 columns to a word; see open_word.
+  std::vector<std::uint64_t> open_bits;
   double one_way = 0.0;              ///< (c - d) / (c + d)
   bool uniform = true;               ///< No lift, and one price for all that is open.
   bool uneven = false;               ///< Some price may be kUneven.
@@ -59,6 +61,12 @@ struct PricedGround {
   [[nodiscard]] std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(stride) +
            static_cast<std::size_t>(x + 1);
+  }
+  /// Where the bits of columns 64 · word to 64 · word + 63 of a row are, both from -1 on.
+  [[nodiscard]] std::size_t open_word(int word, int y) const {
+    const int words = (stride + 62) / 64 + 2;
+    return static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(words) +
+           static_cast<std::size_t>(word + 1);
   }
   /// [cost units] The second part above, from lift 0 up to this cell.
   [[nodiscard]] std::int32_t one_way_effort(std::size_t cell) const {
