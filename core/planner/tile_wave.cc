@@ -10,7 +10,11 @@ constexpr int kPlaneRows = TilePlane::kRows;
 
 /// Some of one row's cells, the first ones, into a plane; the others become `rest`.
 void copy_row(const std::int32_t* from, std::int32_t* to, int cells, std::int32_t rest) {
-  std::memcpy(to, from, static_cast<std::size_t>(cells) * sizeof *to);
+  if (cells == kPlaneRows) {
+    std::memcpy(to, from, kPlaneRows * sizeof *to);
+    return;
+  }
+  std::copy_n(from, cells, to);
   std::fill(to + cells, to + kPlaneRows, rest);
 }
 
@@ -28,7 +32,6 @@ TileWave::TileWave(const DrivableGrid& grid, Field& field, const FieldKernels& k
       tile_(std::make_unique<FieldTile>()) {}
 
 void TileWave::radiate() {
-  field_.levelled[grid_.ground_at(field_.goal)] = 0;
   const int tx = (field_.goal.x - field_.origin.x) / kSize;
   const int ty = (field_.goal.y - field_.origin.y) / kSize;
   news_of(tx, ty)->inside = true;
@@ -45,6 +48,7 @@ void TileWave::solve(int tile) {
   const int ty = tile / columns_;
   const News news = std::exchange(news_[static_cast<std::size_t>(tile)], News{});
   const Edges before = edges(tx, ty);
+  if (news.inside) field_.levelled[grid_.ground_at(field_.goal)] = 0;
   if (ground_.uneven && has_uneven(tx, ty)) {
     solve_uneven(tx, ty, news);
   } else {
@@ -60,8 +64,8 @@ void TileWave::load(int tx, int ty) {
   FieldTile& tile = *tile_;
   const int cells = std::min(kPlaneRows, field_.width - tx * kSize + 2);
   const std::uint16_t* price = ground_.price.data();
-  tile.level = ground_.uniform;
-  tile.price = kCellUnits;
+  tile.price = ground_.level_price[static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(tx)];
+  tile.level = tile.price != 0;
   for (int r = 0; r < kPlaneRows; ++r) {
     const int y = ty * kSize + r - 1;
     const bool there = y <= field_.height;

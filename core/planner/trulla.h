@@ -48,9 +48,14 @@ struct PricedGround {
   std::vector<std::uint16_t> price;  ///< [cost units] To cross the cell; 0 = closed. See kUneven.
   /// One bit per cell that is open, 64 columns to a word; see open_word.
   std::vector<std::uint64_t> open_bits;
-  double one_way = 0.0;              ///< (c - d) / (c + d)
-  bool uniform = true;               ///< No lift, and one price for all that is open.
-  bool uneven = false;               ///< Some price may be kUneven.
+  double one_way = 0.0;  ///< (c - d) / (c + d)
+  bool uneven = false;   ///< Some price may be kUneven.
+  /// Of each tile of kTile × kTile cells the price of all its open cells, which steps between them
+  /// and to those around do not add to; 0 where it is not that simple. Row by row.
+  std::vector<std::uint16_t> level_price;
+  bool uniform = false;  ///< Every tile has the same.
+
+  static constexpr int kTile = 64;
 
   /// Set in a price: steps to some neighbour have rules of their own (unknown ground next to known
   /// ground, a step that the vehicle manages one way only).
