@@ -4,7 +4,7 @@ namespace cairn {
 namespace {
 
 /// [cost units] Lifts beyond are cut off: far more than any slope that a vehicle climbs adds up to.
-constexpr double kHighestLift = 1 << 27;
+constexpr double kHighestLift = 1 << 28;
 
 /// Turns heights and classes into prices, row by row.
 class Pricing {
@@ -41,7 +41,7 @@ class Pricing {
     const std::uint8_t* probability = grid_.heights.probability.data() + height_at(0, y);
     std::int32_t* lift = ground_.lift.data() + ground_.at(0, y);
     for (int x = x0; x <= x1; ++x) {
-      const double exact = (static_cast<double>(height[x]) - ground_.datum_mm) * units_per_mm_;
+      const double exact = static_cast<double>(height[x]) * units_per_mm_;
       const auto own =
           static_cast<std::int32_t>(std::floor(std::clamp(exact, -kHighestLift, kHighestLift) + 0.5));
       lift[x] = probability[x] != 0 ? own : lift[x - 1];
@@ -167,11 +167,6 @@ void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox
     };
     ground.level_price.resize(tiles(heights.width) * tiles(heights.height));
     ground.open_bits.resize(ground.open_word(-1, heights.height + 1));
-    const auto known = std::find_if(heights.probability.begin(), heights.probability.end(),
-                                    [](std::uint8_t p) { return p != 0; });
-    if (known != heights.probability.end()) {
-      ground.datum_mm = heights.height_mm[static_cast<std::size_t>(known - heights.probability.begin())];
-    }
     const double sum = config.climb_effort + config.descend_effort;
     ground.one_way = sum > 0 ? (config.climb_effort - config.descend_effort) / sum : 0.0;
   }

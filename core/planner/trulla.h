@@ -43,8 +43,9 @@ struct PlannerConfig {
 /// charged once, at the end (see cost_to_goal).
 struct PricedGround {
   int stride = 0;
-  std::int32_t datum_mm = 0;         ///< Height of lift 0.
-  std::vector<std::int32_t> lift;    ///< [cost units] Steps cost their difference, either way.
+  /// [cost units] Steps cost their difference, either way. 0 at height 0 of the site; counted up to
+  /// 2^28, with the usual efforts seven kilometres on cells of 125 mm.
+  std::vector<std::int32_t> lift;
   std::vector<std::uint16_t> price;  ///< [cost units] To cross the cell; 0 = closed. See kUneven.
   /// One bit per cell that is open, 64 columns to a word; see open_word.
   std::vector<std::uint64_t> open_bits;
