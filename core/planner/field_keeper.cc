@@ -10,6 +10,10 @@
 namespace cairn {
 namespace {
 
+/// A repair that looks at more than this part of all cells takes as long as a new field: those are
+/// swept, many at a time.
+constexpr std::size_t kPatience = 16;
+
 CellBox grown(const CellBox& box, int by, const HeightGrid& within) {
   return {std::max(box.x0 - by, 0), std::max(box.y0 - by, 0),
           std::min(box.x1 + by, within.width - 1), std::min(box.y1 + by, within.height - 1)};
@@ -119,7 +123,8 @@ void FieldKeeper::repair(const std::vector<std::uint32_t>& cells) {
     field_.levelled[cell] =
         grid_.ground.price[cell] != 0 ? Field::kUnreached : Field::kClosed;
   }
-  Wave(grid_, field_).repair(cells, doubted_);
+  const std::size_t most = 1000 + field_.levelled.size() / kPatience;
+  if (!Wave(grid_, field_).repair(cells, doubted_, most)) start_anew();
 }
 
 void FieldKeeper::start_anew() {

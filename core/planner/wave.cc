@@ -13,10 +13,11 @@ Wave::Wave(const DrivableGrid& grid, Field& field)
 
 void Wave::radiate() {
   lower(goal_, 0);
-  run();
+  (void)run(std::numeric_limits<std::size_t>::max());
 }
 
-void Wave::repair(const std::vector<std::uint32_t>& cells, std::vector<std::uint8_t>& doubted) {
+bool Wave::repair(const std::vector<std::uint32_t>& cells, std::vector<std::uint8_t>& doubted,
+                  std::size_t most) {
   doubted_ = doubted.data();
   std::vector<std::pair<std::uint32_t, std::int32_t>> doubts;
   std::int32_t first = Field::kUnreached;
@@ -32,18 +33,22 @@ void Wave::repair(const std::vector<std::uint32_t>& cells, std::vector<std::uint
   }
   queue_.restart(first);
   for (const auto& [cell, cost] : doubts) doubt(cell, cost);
-  run();
+  if (run(most)) return true;
+  std::fill(doubted.begin(), doubted.end(), std::uint8_t{0});
+  return false;
 }
 
-void Wave::run() {
+bool Wave::run(std::size_t most) {
   WaveQueue::Entry entry;
-  while (queue_.pop(entry)) {
+  for (std::size_t looked_at = 0; queue_.pop(entry); ++looked_at) {
+    if (looked_at == most) return false;
     if (entry.doubted) {
       settle_doubt(entry.cell);
     } else if (key(entry.cell, levelled_[entry.cell]) == entry.cost) {
       spread(entry.cell);
     }
   }
+  return true;
 }
 
 /// [cost units] When a cell is to be looked at: at its cost or what that should be; kUnreached

@@ -67,11 +67,13 @@ class Wave {
   void radiate();
   /// Doubts the cells, whose ground has changed, and their neighbours. Requires: the field was
   /// right before; the cells themselves are closed or unreached by now, the goal is not among them.
-  /// `doubted` is work space, as long as the field: all 0, before and after.
-  void repair(const std::vector<std::uint32_t>& cells, std::vector<std::uint8_t>& doubted);
+  /// `doubted` is work space, as long as the field: all 0, before and after. False, and the field is
+  /// of no use, when more than `most` cells were looked at: then a new one is cheaper.
+  [[nodiscard]] bool repair(const std::vector<std::uint32_t>& cells,
+                            std::vector<std::uint8_t>& doubted, std::size_t most);
 
  private:
-  void run();
+  [[nodiscard]] bool run(std::size_t most);
   void settle_doubt(std::uint32_t cell);
   void doubt(std::uint32_t cell, std::int32_t cost);
   [[nodiscard]] std::int32_t due(std::uint32_t cell) const;
