@@ -1,7 +1,6 @@
 #include "core/planner/field_keeper.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/planner/tile_wave.h"
@@ -38,11 +37,20 @@ HeightGrid cut_out(const HeightGrid& heights, const CellBox& box) {
   return part;
 }
 
+WeightLayer cut_out(const WeightLayer& weights, const HeightGrid& heights, const CellBox& box) {
+  WeightLayer part;
+  if (weights.empty()) return part;
+  each_cell(box, [&](int x, int y) {
+    part.push_back(weights[heights.at({heights.origin.x + x, heights.origin.y + y})]);
+  });
+  return part;
+}
+
 }  // namespace
 
 Result<FieldKeeper> FieldKeeper::create(HeightGrid heights, const PlannerConfig& config,
-                                        CellIndex goal) {
-  DrivableGrid grid = make_drivable(std::move(heights), config);
+                                        CellIndex goal, WeightLayer weights) {
+  DrivableGrid grid = make_drivable(std::move(heights), config, std::move(weights));
   Result<Field> field = compute_field(grid, goal);
   if (!field) return field.error();
   return FieldKeeper(std::move(grid), config, std::move(*field));
@@ -78,8 +86,7 @@ void FieldKeeper::change(const std::vector<CellChange>& changes) {
 
 std::vector<std::uint32_t> FieldKeeper::convert(const CellBox& changed) {
   const HeightGrid& heights = grid_.heights;
-  const auto reach =
-      1 + static_cast<int>(std::llround(grid_.limits.radius_m * 1000) / heights.cell_size_mm);
+  const int reach = reach_of_change(grid_, config_);
   const CellBox inner = grown(changed, reach, heights);
   convert_open(inner, grown(inner, reach, heights));
 
@@ -110,11 +117,15 @@ std::vector<std::uint32_t> FieldKeeper::convert(const CellBox& changed) {
 
 /// Classes and what is open in `box`, from the heights of `around`.
 void FieldKeeper::convert_open(const CellBox& box, const CellBox& around) {
-  const DrivableGrid part = make_drivable(cut_out(grid_.heights, around), config_);
+  const DrivableGrid part = make_drivable(cut_out(grid_.heights, around), config_,
+                                          cut_out(grid_.weights, grid_.heights, around));
   each_cell(box, [&](int x, int y) {
     const CellIndex cell{grid_.heights.origin.x + x, grid_.heights.origin.y + y};
     grid_.classes[grid_.heights.at(cell)] = part.classes[part.heights.at(cell)];
     grid_.open[grid_.heights.at(cell)] = part.open[part.heights.at(cell)];
+    if (!grid_.soft_price.empty()) {
+      grid_.soft_price[grid_.heights.at(cell)] = part.soft_price[part.heights.at(cell)];
+    }
   });
 }
 

@@ -23,7 +23,7 @@ class FieldKeeper {
   /// invalid_argument when the goal is outside or closed.
   /// Requires: faults(config).empty().
   [[nodiscard]] static Result<FieldKeeper> create(HeightGrid heights, const PlannerConfig& config,
-                                                  CellIndex goal);
+                                                  CellIndex goal, WeightLayer weights = {});
 
   /// Takes over new values; cells outside the grid are left out. A goal that gets closed is reached
   /// from nowhere until it opens again.
@@ -35,7 +35,7 @@ class FieldKeeper {
  private:
   FieldKeeper(DrivableGrid grid, const PlannerConfig& config, Field field);
 
-  /// Classes, what is open and prices around the changed box; what differs then.
+  /// Classes, what is open and what it costs around the changed box; what differs then.
   [[nodiscard]] std::vector<std::uint32_t> convert(const CellBox& changed);
   void convert_open(const CellBox& box, const CellBox& around);
   void start_anew();

@@ -52,8 +52,10 @@ class Pricing {
     const std::uint8_t* open = grid_.open.data() + height_at(0, y);
     const std::uint8_t* probability = grid_.heights.probability.data() + height_at(0, y);
     std::uint16_t* price = ground_.price.data() + ground_.at(0, y);
+    const std::uint16_t* soft =
+        grid_.soft_price.empty() ? nullptr : grid_.soft_price.data() + height_at(0, y);
     for (int x = x0; x <= x1; ++x) {
-      const std::uint16_t known = kCellUnits;
+      const std::uint16_t known = soft != nullptr ? soft[x] : std::uint16_t{kCellUnits};
       price[x] = open[x] == 0 ? std::uint16_t{0} : probability[x] != 0 ? known : unknown_price_;
     }
     for (int x = x0; x <= x1; ++x) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/common/result.h"
-#include "core/map/traversability.h"
+#include "core/map/soft_ground.h"
 
 namespace cairn {
 
@@ -26,6 +26,14 @@ struct PlannerConfig {
   double unknown_price = 3.0;   ///< [m/m] Cost of unknown ground per metre. [Limit: 1 … 30]
   double climb_effort = 8.0;    ///< [m/m] Extra cost per metre of height gained. [Limit: 0 … 100]
   double descend_effort = 2.0;  ///< [m/m] Extra cost per metre of height lost. [Limit: 0 … 100]
+  SoftLimits soft;
+  /// [m/m] Extra cost per metre of ground that is surely an obstacle; of less sure ground by its
+  /// probability (T5.3). [Limit: 0 … 30]
+  double obstacle_price = 0.0;
+  double roughness_price = 0.0;  ///< [m/m] Extra, per 100 mm of roughness. [Limit: 0 … 30]
+  double slope_price = 0.0;      ///< [m/m] Extra, on a slope of 100 %. [Limit: 0 … 30]
+  double closeness_price = 0.0;  ///< [m/m] Extra, right at the radius. [Limit: 0 … 30]
+  double closeness_m = 0.5;      ///< Where it ends, beyond the radius. [Limit: 0.01 … 5]
 
   friend bool operator==(const PlannerConfig&, const PlannerConfig&) = default;
 };
@@ -80,6 +88,10 @@ struct PricedGround {
   }
 };
 
+/// What an operator adds to the price of a grid's cells, row by row, in 1/16 of level ground; empty:
+/// nothing.
+using WeightLayer = std::vector<std::uint8_t>;
+
 /// Costs are whole numbers of the 985th part of one level cell's length, the same on every machine.
 /// 985 because its diagonal is 1393 to the seventh digit.
 inline constexpr std::int32_t kCellUnits = 985;
@@ -94,6 +106,10 @@ struct DrivableGrid {
   std::vector<std::uint8_t> open;
   VehicleLimits limits;  ///< Of the vehicle that `classes` and `open` hold for.
   PricedGround ground;
+  WeightLayer weights;
+  /// [cost units] What cells cost to cross when open, with all that makes ground dearer; empty:
+  /// nothing does.
+  std::vector<std::uint16_t> soft_price;
 
   /// [m] One unit of cost.
   [[nodiscard]] double unit_m() const { return heights.cell_size_mm / 1000.0 / kCellUnits; }
@@ -104,8 +120,16 @@ struct DrivableGrid {
 };
 
 /// Time and memory grow with the number of cells, not with the radius.
-/// Requires: faults(config).empty().
-[[nodiscard]] DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config);
+/// Nothing is dearer than 33 times level ground. Requires: faults(config).empty(), weights empty or
+/// one per cell.
+[[nodiscard]] DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config,
+                                         WeightLayer weights = {});
+
+/// [cells] How far a change of a height changes what cells cost: no cell farther away in x or y.
+[[nodiscard]] int reach_of_change(const DrivableGrid& grid, const PlannerConfig& config);
+
+/// Fills in `soft_price` from the heights, classes and weights.
+void price_softly(DrivableGrid& grid, const PlannerConfig& config);
 
 /// Part of a grid: columns and rows from the lowest to the highest, counted from its origin.
 struct CellBox {

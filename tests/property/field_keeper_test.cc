@@ -37,6 +37,13 @@ PlannerConfig random_config(std::mt19937& random) {
   config.unknown = below(random, 3) == 0 ? UnknownGround::allowed : UnknownGround::blocked;
   config.climb_effort = below(random, 20);
   config.descend_effort = below(random, 10);
+  if (below(random, 3) == 0) {
+    config.obstacle_price = below(random, 6);
+    config.roughness_price = below(random, 4);
+    config.slope_price = below(random, 3);
+    config.closeness_price = below(random, 2) == 0 ? 2.5 : 0.0;
+    config.closeness_m = 0.1 + 0.1 * below(random, 6);
+  }
   return config;
 }
 

@@ -39,6 +39,7 @@ PlannerConfig random_config(std::mt19937& random) {
   config.unknown_price = 1 + 0.01 * below(random, 500);
   config.climb_effort = 0.1 * below(random, 200);
   config.descend_effort = 0.1 * below(random, 100);
+  if (below(random, 3) == 0) config.roughness_price = config.obstacle_price = below(random, 20);
   return config;
 }
 
