@@ -113,8 +113,8 @@ std::string why_too_near(const DrivableGrid& grid, double clearance_m) {
 
 }  // namespace
 
-DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config) {
-  DrivableGrid grid{std::move(heights), {}, {}, config.limits, {}};
+DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config, WeightLayer weights) {
+  DrivableGrid grid{std::move(heights), {}, {}, config.limits, {}, std::move(weights), {}};
   grid.classes = classify(grid.heights, config.limits);
   grid.open.resize(grid.classes.size());
   const bool enter_unknown = config.unknown == UnknownGround::allowed;
@@ -122,6 +122,7 @@ DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config) {
     return c == CellClass::free || (c == CellClass::unknown && enter_unknown);
   });
   close_near_obstacles(grid);
+  price_softly(grid, config);
   price_ground(grid, config, {0, 0, grid.heights.width - 1, grid.heights.height - 1});
   return grid;
 }

@@ -146,6 +146,10 @@ std::vector<CellIndex> cells_down(const DrivableGrid& grid, const Field& field, 
   return cells;
 }
 
+int first_step_down(const DrivableGrid& grid, const Field& field, CellIndex cell) {
+  return direction_down(GroundReader(grid), field, grid.ground_at(cell));
+}
+
 std::vector<Eigen::Vector2d> walk_down(const DrivableGrid& grid, const Field& field,
                                        const LineCost& lines, const Eigen::Vector2d& start_m,
                                        const Eigen::Vector2d& goal_m) {

@@ -11,6 +11,9 @@ namespace cairn {
 [[nodiscard]] std::vector<CellIndex> cells_down(const DrivableGrid& grid, const Field& field,
                                                 CellIndex start);
 
+/// The direction of the first of those steps. Requires: the cell is reached and not the goal.
+[[nodiscard]] int first_step_down(const DrivableGrid& grid, const Field& field, CellIndex cell);
+
 /// A way down the field that keeps no cell's middle (in place of cells_down), from `start_m` to
 /// `goal_m`, which lies in the goal's cell. Empty where the field between the cells gives no clear
 /// advice; then cells_down does.

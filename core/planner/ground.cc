@@ -4,7 +4,7 @@ namespace cairn {
 namespace {
 
 /// [cost units] Lifts beyond are cut off: far more than any slope that a vehicle climbs adds up to.
-constexpr double kHighestLift = 1 << 27;
+constexpr double kHighestLift = 1 << 28;
 
 /// Turns heights and classes into prices, row by row.
 class Pricing {
@@ -23,8 +23,10 @@ class Pricing {
       if (units_per_mm_ > 0) lift_row(y, box.x0, box.x1);
       price_row(y, box.x0, box.x1);
     }
-    if (!look_for_uneven && !some_uneven_) return;
-    for (int y = box.y0; y <= box.y1; ++y) mark_row(y, box.x0, box.x1);
+    if (look_for_uneven || some_uneven_) {
+      for (int y = box.y0; y <= box.y1; ++y) mark_row(y, box.x0, box.x1);
+    }
+    find_level_tiles(box);
   }
 
  private:
@@ -38,28 +40,29 @@ class Pricing {
     const std::int32_t* height = grid_.heights.height_mm.data() + height_at(0, y);
     const std::uint8_t* probability = grid_.heights.probability.data() + height_at(0, y);
     std::int32_t* lift = ground_.lift.data() + ground_.at(0, y);
-    bool lifted = false;
     for (int x = x0; x <= x1; ++x) {
-      const double exact = (static_cast<double>(height[x]) - ground_.datum_mm) * units_per_mm_;
+      const double exact = static_cast<double>(height[x]) * units_per_mm_;
       const auto own =
           static_cast<std::int32_t>(std::floor(std::clamp(exact, -kHighestLift, kHighestLift) + 0.5));
       lift[x] = probability[x] != 0 ? own : lift[x - 1];
-      lifted = lifted || lift[x] != 0;
     }
-    if (lifted) ground_.uniform = false;
   }
 
   void price_row(int y, int x0, int x1) {
     const std::uint8_t* open = grid_.open.data() + height_at(0, y);
     const std::uint8_t* probability = grid_.heights.probability.data() + height_at(0, y);
     std::uint16_t* price = ground_.price.data() + ground_.at(0, y);
-    bool other_price = false;
+    const std::uint16_t* soft =
+        grid_.soft_price.empty() ? nullptr : grid_.soft_price.data() + height_at(0, y);
     for (int x = x0; x <= x1; ++x) {
-      const std::uint16_t known = kCellUnits;
+      const std::uint16_t known = soft != nullptr ? soft[x] : std::uint16_t{kCellUnits};
       price[x] = open[x] == 0 ? std::uint16_t{0} : probability[x] != 0 ? known : unknown_price_;
-      other_price = other_price || (price[x] != 0 && price[x] != kCellUnits);
     }
-    if (other_price) ground_.uniform = false;
+    for (int x = x0; x <= x1; ++x) {
+      std::uint64_t& word = ground_.open_bits[ground_.open_word(x / 64, y)];
+      const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+      word = open[x] != 0 ? word | bit : word & ~bit;
+    }
   }
 
   void mark_row(int y, int x0, int x1) {
@@ -89,6 +92,60 @@ class Pricing {
     return std::abs(rise_mm) > std::min(grid_.limits.climb_mm, grid_.limits.descend_mm);
   }
 
+  void find_level_tiles(const CellBox& box) {
+    constexpr int kTile = PricedGround::kTile;
+    const int columns = (grid_.heights.width + kTile - 1) / kTile;
+    const int rows = (grid_.heights.height + kTile - 1) / kTile;
+    const auto tile = [](int cell) { return std::max(cell, 0) / kTile; };
+    for (int ty = tile(box.y0 - 1); ty <= std::min(tile(box.y1 + 1), rows - 1); ++ty) {
+      for (int tx = tile(box.x0 - 1); tx <= std::min(tile(box.x1 + 1), columns - 1); ++tx) {
+        ground_.level_price[static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns) +
+                            static_cast<std::size_t>(tx)] = level_price(tx * kTile, ty * kTile);
+      }
+    }
+    const std::vector<std::uint16_t>& all = ground_.level_price;
+    ground_.uniform = all.front() != 0 && std::all_of(all.begin(), all.end(), [&](std::uint16_t p) {
+                        return p == all.front();
+                      });
+  }
+
+  /// Of the tile from (x0, y0) on. What is closed all over is as level as can be.
+  [[nodiscard]] std::uint16_t level_price(int x0, int y0) const {
+    const int x1 = std::min(x0 + PricedGround::kTile, grid_.heights.width);
+    const int y1 = std::min(y0 + PricedGround::kTile, grid_.heights.height);
+    std::uint16_t lowest = 0xffff;
+    std::uint16_t highest = 0;
+    for (int y = y0 - 1; y <= y1; ++y) {
+      const std::size_t row = ground_.at(0, y);
+      if (y < y1 && steps_in_row(row, x0 - 1, x1)) return 0;
+      if (y < y0 || y == y1) continue;
+      for (int x = x0; x < x1; ++x) {
+        const std::uint16_t price = ground_.price[row + static_cast<std::size_t>(x)];
+        lowest = std::min(lowest, price != 0 ? price : lowest);
+        highest = std::max(highest, price);
+      }
+    }
+    if (highest == 0) return kCellUnits;
+    return lowest == highest && highest < PricedGround::kUneven ? highest : std::uint16_t{0};
+  }
+
+  /// Whether lifts of open neighbours differ among a row's cells from x0 to x1 and those above.
+  [[nodiscard]] bool steps_in_row(std::size_t row, int x0, int x1) const {
+    if (units_per_mm_ == 0) return false;
+    const std::uint16_t* price = ground_.price.data() + row;
+    const std::int32_t* lift = ground_.lift.data() + row;
+    const std::ptrdiff_t up = ground_.stride;
+    const auto differ = [&](std::ptrdiff_t a, std::ptrdiff_t b) {
+      return static_cast<int>(lift[a] != lift[b]) & static_cast<int>(price[a] != 0) &
+             static_cast<int>(price[b] != 0);
+    };
+    int any = differ(x1, x1 + up);
+    for (std::ptrdiff_t x = x0; x < x1; ++x) {
+      any |= differ(x, x + 1) | differ(x, x + up) | differ(x, x + up + 1) | differ(x + 1, x + up);
+    }
+    return any != 0;
+  }
+
   DrivableGrid& grid_;
   PricedGround& ground_;
   double units_per_mm_;
@@ -107,11 +164,11 @@ void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox
     const std::size_t cells = ground.at(0, heights.height + 1);
     ground.lift.resize(cells);
     ground.price.resize(cells);
-    const auto known = std::find_if(heights.probability.begin(), heights.probability.end(),
-                                    [](std::uint8_t p) { return p != 0; });
-    if (known != heights.probability.end()) {
-      ground.datum_mm = heights.height_mm[static_cast<std::size_t>(known - heights.probability.begin())];
-    }
+    const auto tiles = [](int size) {
+      return static_cast<std::size_t>((size + PricedGround::kTile - 1) / PricedGround::kTile);
+    };
+    ground.level_price.resize(tiles(heights.width) * tiles(heights.height));
+    ground.open_bits.resize(ground.open_word(-1, heights.height + 1));
     const double sum = config.climb_effort + config.descend_effort;
     ground.one_way = sum > 0 ? (config.climb_effort - config.descend_effort) / sum : 0.0;
   }

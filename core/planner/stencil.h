@@ -9,14 +9,18 @@
 
 namespace cairn {
 
+/// √2 and 0.705 in 1/65536.
+inline constexpr std::uint32_t kDiagonal16 = 92682;
+inline constexpr std::int32_t kWidestGap16 = 46203;
+
 /// [cost units] From a cell of this price to the middle of its diagonal neighbour.
 [[nodiscard]] inline std::int32_t diagonal_units(std::int32_t price) {
-  return static_cast<std::int32_t>(static_cast<float>(price) * 1.41421356F + 0.5F);
+  return static_cast<std::int32_t>((static_cast<std::uint32_t>(price) * kDiagonal16 + 0x8000U) >> 16);
 }
 
 /// Where the next cell's cost lies further than this above the diagonal one's, the straight
 /// diagonal is best: 0.705 · price. (It is from √½ on; up to there the two differ by nothing.)
-[[nodiscard]] inline std::int32_t widest_gap(std::int32_t price) { return (price * 46203) >> 16; }
+[[nodiscard]] inline std::int32_t widest_gap(std::int32_t price) { return (price * kWidestGap16) >> 16; }
 
 /// [cost units] Cost of the best straight way from the middle of a cell to the line between the
 /// middles of its axial neighbour, whose cost is `gap` higher, and of the diagonal one beside it,

@@ -1,6 +1,6 @@
 #include "core/planner/trulla.h"
 
-#include "core/planner/wave.h"
+#include "core/planner/tile_wave.h"
 
 namespace cairn {
 
@@ -9,7 +9,7 @@ Result<Field> compute_field(const DrivableGrid& grid, CellIndex goal) {
     return Error{ErrorCode::invalid_argument, "the goal " + why};
   }
   Field field = unreached_field(grid, goal);
-  Wave(grid, field).radiate();
+  TileWave(grid, field, *usable_field_kernels().front()).radiate();
   return field;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/common/result.h"
-#include "core/map/traversability.h"
+#include "core/map/soft_ground.h"
 
 namespace cairn {
 
@@ -26,6 +26,14 @@ struct PlannerConfig {
   double unknown_price = 3.0;   ///< [m/m] Cost of unknown ground per metre. [Limit: 1 … 30]
   double climb_effort = 8.0;    ///< [m/m] Extra cost per metre of height gained. [Limit: 0 … 100]
   double descend_effort = 2.0;  ///< [m/m] Extra cost per metre of height lost. [Limit: 0 … 100]
+  SoftLimits soft;
+  /// [m/m] Extra cost per metre of ground that is surely an obstacle; of less sure ground by its
+  /// probability (T5.3). [Limit: 0 … 30]
+  double obstacle_price = 0.0;
+  double roughness_price = 0.0;  ///< [m/m] Extra, per 100 mm of roughness. [Limit: 0 … 30]
+  double slope_price = 0.0;      ///< [m/m] Extra, on a slope of 100 %. [Limit: 0 … 30]
+  double closeness_price = 0.0;  ///< [m/m] Extra, right at the radius. [Limit: 0 … 30]
+  double closeness_m = 0.5;      ///< Where it ends, beyond the radius. [Limit: 0.01 … 5]
 
   friend bool operator==(const PlannerConfig&, const PlannerConfig&) = default;
 };
@@ -43,12 +51,20 @@ struct PlannerConfig {
 /// charged once, at the end (see cost_to_goal).
 struct PricedGround {
   int stride = 0;
-  std::int32_t datum_mm = 0;         ///< Height of lift 0.
-  std::vector<std::int32_t> lift;    ///< [cost units] Steps cost their difference, either way.
+  /// [cost units] Steps cost their difference, either way. 0 at height 0 of the site; counted up to
+  /// 2^28, with the usual efforts seven kilometres on cells of 125 mm.
+  std::vector<std::int32_t> lift;
   std::vector<std::uint16_t> price;  ///< [cost units] To cross the cell; 0 = closed. See kUneven.
-  double one_way = 0.0;              ///< (c - d) / (c + d)
-  bool uniform = true;               ///< No lift, and one price for all that is open.
-  bool uneven = false;               ///< Some price may be kUneven.
+  /// One bit per cell that is open, 64 columns to a word; see open_word.
+  std::vector<std::uint64_t> open_bits;
+  double one_way = 0.0;  ///< (c - d) / (c + d)
+  bool uneven = false;   ///< Some price may be kUneven.
+  /// Of each tile of kTile × kTile cells the price of all its open cells, which steps between them
+  /// and to those around do not add to; 0 where it is not that simple. Row by row.
+  std::vector<std::uint16_t> level_price;
+  bool uniform = false;  ///< Every tile has the same.
+
+  static constexpr int kTile = 64;
 
   /// Set in a price: steps to some neighbour have rules of their own (unknown ground next to known
   /// ground, a step that the vehicle manages one way only).
@@ -60,11 +76,21 @@ struct PricedGround {
     return static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(stride) +
            static_cast<std::size_t>(x + 1);
   }
+  /// Where the bits of columns 64 · word to 64 · word + 63 of a row are, both from -1 on.
+  [[nodiscard]] std::size_t open_word(int word, int y) const {
+    const int words = (stride + 62) / 64 + 2;
+    return static_cast<std::size_t>(y + 1) * static_cast<std::size_t>(words) +
+           static_cast<std::size_t>(word + 1);
+  }
   /// [cost units] The second part above, from lift 0 up to this cell.
   [[nodiscard]] std::int32_t one_way_effort(std::size_t cell) const {
     return static_cast<std::int32_t>(std::floor(lift[cell] * one_way));
   }
 };
+
+/// What an operator adds to the price of a grid's cells, row by row, in 1/16 of level ground; empty:
+/// nothing.
+using WeightLayer = std::vector<std::uint8_t>;
 
 /// Costs are whole numbers of the 985th part of one level cell's length, the same on every machine.
 /// 985 because its diagonal is 1393 to the seventh digit.
@@ -80,6 +106,10 @@ struct DrivableGrid {
   std::vector<std::uint8_t> open;
   VehicleLimits limits;  ///< Of the vehicle that `classes` and `open` hold for.
   PricedGround ground;
+  WeightLayer weights;
+  /// [cost units] What cells cost to cross when open, with all that makes ground dearer; empty:
+  /// nothing does.
+  std::vector<std::uint16_t> soft_price;
 
   /// [m] One unit of cost.
   [[nodiscard]] double unit_m() const { return heights.cell_size_mm / 1000.0 / kCellUnits; }
@@ -90,8 +120,16 @@ struct DrivableGrid {
 };
 
 /// Time and memory grow with the number of cells, not with the radius.
-/// Requires: faults(config).empty().
-[[nodiscard]] DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config);
+/// Nothing is dearer than 33 times level ground. Requires: faults(config).empty(), weights empty or
+/// one per cell.
+[[nodiscard]] DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config,
+                                         WeightLayer weights = {});
+
+/// [cells] How far a change of a height changes what cells cost: no cell farther away in x or y.
+[[nodiscard]] int reach_of_change(const DrivableGrid& grid, const PlannerConfig& config);
+
+/// Fills in `soft_price` from the heights, classes and weights.
+void price_softly(DrivableGrid& grid, const PlannerConfig& config);
 
 /// Part of a grid: columns and rows from the lowest to the highest, counted from its origin.
 struct CellBox {

@@ -66,13 +66,17 @@ class Wave {
   /// Sets the goal's cost and radiates from it. Requires: an unreached field.
   void radiate();
   /// Doubts the cells, whose ground has changed, and their neighbours. Requires: the field was
-  /// right before, and closed where the ground now is.
-  void repair(const std::vector<std::uint32_t>& cells);
+  /// right before; the cells themselves are closed or unreached by now, the goal is not among them.
+  /// `doubted` is work space, as long as the field: all 0, before and after. False, and the field is
+  /// of no use, when more than `most` cells were looked at: then a new one is cheaper.
+  [[nodiscard]] bool repair(const std::vector<std::uint32_t>& cells,
+                            std::vector<std::uint8_t>& doubted, std::size_t most);
 
  private:
-  void run();
+  [[nodiscard]] bool run(std::size_t most);
   void settle_doubt(std::uint32_t cell);
-  void doubt(std::uint32_t cell);
+  void doubt(std::uint32_t cell, std::int32_t cost);
+  [[nodiscard]] std::int32_t due(std::uint32_t cell) const;
   void raise(std::uint32_t cell);
   void lower(std::uint32_t cell, std::int32_t levelled);
   void spread(std::uint32_t cell);
@@ -92,6 +96,7 @@ class Wave {
   const bool tilted_;
   const std::int32_t goal_effort_;
   WaveQueue queue_;
+  std::uint8_t* doubted_ = nullptr;  ///< Cells that wait with a doubt in their own cost.
 };
 
 }  // namespace cairn

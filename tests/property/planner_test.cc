@@ -5,6 +5,8 @@
 
 #include "core/planner/field_walk.h"
 #include "core/planner/plan.h"
+#include "core/planner/tile_wave.h"
+#include "core/planner/wave.h"
 #include "tests/support/plain_field.h"
 
 namespace cairn {
@@ -37,6 +39,7 @@ PlannerConfig random_config(std::mt19937& random) {
   config.unknown_price = 1 + 0.01 * below(random, 500);
   config.climb_effort = 0.1 * below(random, 200);
   config.descend_effort = 0.1 * below(random, 100);
+  if (below(random, 3) == 0) config.roughness_price = config.obstacle_price = below(random, 20);
   return config;
 }
 
@@ -72,6 +75,38 @@ TEST(PlannerProperty, FieldIsTheOnlyOneThatKeepsItsOwnRule) {
     const Problem p(seed);
     const Field field = compute_field(p.grid, p.goal).value();
     ASSERT_EQ(test::costs(p.grid, field), test::plain_field(p.grid, p.goal));
+  }
+}
+
+/// As large as several tiles.
+HeightGrid wide_grid(std::mt19937& random, int relief_mm) {
+  HeightGrid grid = empty_grid({-20, 7}, {40 + below(random, 200), 50 + below(random, 150)}, 125).value();
+  const int blocks = 3 + below(random, 40);
+  const int unknown = below(random, 2) == 0 ? 1 << 30 : 20;
+  for (std::size_t i = 0; i < grid.height_mm.size(); ++i) {
+    grid.probability[i] = below(random, unknown) == 1 ? 0 : 200;
+    grid.height_mm[i] = below(random, relief_mm + 1) + (below(random, blocks) == 0 ? 1000 : 0);
+  }
+  return grid;
+}
+
+TEST(PlannerProperty, EveryWayOfSolvingGivesTheSameField) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    PlannerConfig config = random_config(random);
+    if (seed % 2 == 0) config.limits.climb_mm = config.limits.descend_mm = 120;
+    DrivableGrid grid = make_drivable(wide_grid(random, seed % 3 == 0 ? 0 : 100), config);
+    const CellIndex goal = random_cell(grid.heights, random);
+    grid.open[grid.heights.at(goal)] = 1;
+    price_ground(grid, config, {0, 0, grid.heights.width - 1, grid.heights.height - 1});
+    Field by_cells = unreached_field(grid, goal);
+    Wave(grid, by_cells).radiate();
+    for (const FieldKernels* kernels : usable_field_kernels()) {
+      Field by_tiles = unreached_field(grid, goal);
+      TileWave(grid, by_tiles, *kernels).radiate();
+      ASSERT_EQ(by_tiles.levelled, by_cells.levelled) << kernels->name;
+    }
   }
 }
 
