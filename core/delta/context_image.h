@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <unordered_map>
+
+#include "core/delta/block.h"
+
+namespace cairn {
+
+/// What both ends of a link provably hold of the submaps under way: the common ground on which the
+/// next changes are told. It only lends statistics and predictions; what is told are absolute
+/// values, so that nothing that is merged depends on it. Two images that took the same updates in
+/// the same order are equal.
+class ContextImage {
+ public:
+  struct Cell {
+    std::int32_t height_mm = 0;
+    std::uint8_t probability = 0;  ///< [1/255] 0 = unknown.
+    std::uint8_t tick = 0;         ///< Of its last change, as the update named it.
+    std::uint8_t updates = 0;      ///< Changes since it was last unknown, saturating.
+    friend bool operator==(const Cell&, const Cell&) = default;
+  };
+  struct Block {
+    std::uint32_t version = 0;
+    std::int32_t datum_mm = 0;
+    std::uint8_t tick = 0;
+    std::array<Cell, kBlockCells> cells{};
+  };
+
+  /// Takes an update by the rule of versions: base ≤ held < version, else nothing happens. The
+  /// oldest submap is forgotten when there are too many or too large ones.
+  void merge(std::uint32_t sequence, const BlockKey& key, std::uint32_t base, std::uint32_t version,
+             const BlockDelta& delta, std::uint8_t tick);
+  /// Null when nothing of it was merged, or it was forgotten. Valid until the next merge.
+  [[nodiscard]] const Block* find(std::uint32_t sequence, const BlockKey& key) const;
+  void clear();
+  [[nodiscard]] std::size_t blocks() const { return blocks_; }
+
+  static constexpr std::size_t kMaxBlocks = 4096;  ///< 8 MB.
+  static constexpr std::size_t kMaxSubmaps = 4;
+
+ private:
+  using Blocks = std::unordered_map<BlockKey, std::unique_ptr<Block>, BlockKeyHash>;
+
+  Block& make(std::uint32_t sequence, const BlockKey& key);
+  void forget_oldest();
+
+  std::map<std::uint32_t, Blocks> submaps_;  ///< [Limit: ≤ kMaxSubmaps]
+  std::size_t blocks_ = 0;                   ///< [Limit: ≤ kMaxBlocks]
+};
+
+/// A cell of the image after one more change.
+[[nodiscard]] ContextImage::Cell after_change(const ContextImage::Cell& before, const Cell& now,
+                                              std::uint8_t tick);
+
+}  // namespace cairn

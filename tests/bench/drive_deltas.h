@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/common/result.h"
+#include "core/delta/coarseness.h"
+#include "core/map/height_map.h"
+#include "proto/codec/records.h"
+
+namespace cairn::bench {
+
+/// How a drive is mapped and cut into changes.
+struct DriveSetting {
+  std::string world = "block";  ///< block, hill or room.
+  std::uint64_t seed = 1;
+  double duration_s = 300.0;
+  double cadence_s = 1.0;  ///< A delta each.
+  double range_m = 30.0;
+  Coarseness coarseness;
+};
+
+/// What changed in the map within one cadence, ready to be told.
+using Delta = std::vector<proto::BlockUpdate>;
+
+struct Drive {
+  std::vector<Delta> deltas;  ///< Those that hold something.
+  HeightMap exact{125};       ///< The map as its rules made it …
+  HeightMap told{125};        ///< … and as it was told.
+  double way_m = 0.0;
+};
+
+/// Drives a simulated robot with two lasers about at 1 m/s and maps from its true poses.
+[[nodiscard]] Result<Drive> drive_deltas(const DriveSetting& setting);
+
+}  // namespace cairn::bench
