@@ -90,7 +90,8 @@ void SubmapVersions::touch(EvidenceLayer layer, const std::vector<CellIndex>& ce
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (i == 0 || places[i].first != places[i - 1].first) {
       block = &blocks_[places[i].first];
-      ++block->version;
+      if (block->told) ++block->version;
+      block->told = false;
     }
     block->changed_at[at(places[i].second)] = block->version;
   }
@@ -99,6 +100,11 @@ void SubmapVersions::touch(EvidenceLayer layer, const std::vector<CellIndex>& ce
 std::uint32_t SubmapVersions::version(const BlockKey& key) const {
   const auto it = blocks_.find(key);
   return it == blocks_.end() ? 0 : it->second.version;
+}
+
+void SubmapVersions::told(const BlockKey& key) {
+  const auto it = blocks_.find(key);
+  if (it != blocks_.end()) it->second.told = true;
 }
 
 BlockDelta SubmapVersions::changes_since(const BlockKey& key, std::uint32_t base,

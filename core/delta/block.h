@@ -59,7 +59,7 @@ bool apply(HeightMap& map, const BlockKey& key, const BlockDelta& delta);
 /// that holds any version from `base` on becomes right by applying it.
 class SubmapVersions {
  public:
-  /// Cells changed: their blocks go to their next version.
+  /// Cells changed. A block goes to its next version when the present one was told.
   void touch(EvidenceLayer layer, const std::vector<CellIndex>& cells, std::int8_t level = 0);
 
   /// 0 when the block was never touched.
@@ -67,8 +67,12 @@ class SubmapVersions {
   /// Every cell changed after version `base`, with its present value from `map`.
   [[nodiscard]] BlockDelta changes_since(const BlockKey& key, std::uint32_t base,
                                          const Submap& submap) const;
+  /// The block's present version goes out: what changes from now on is of the next.
+  void told(const BlockKey& key);
+
   struct Block {
     std::uint32_t version = 0;
+    bool told = true;  ///< Of its present version.
     std::array<std::uint32_t, kBlockCells> changed_at{};
   };
   using Blocks = std::unordered_map<BlockKey, Block, BlockKeyHash>;

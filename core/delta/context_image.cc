@@ -4,18 +4,23 @@
 
 namespace cairn {
 
-void ContextImage::merge(std::uint32_t sequence, const BlockKey& key, std::uint32_t base,
-                         std::uint32_t version, const BlockDelta& delta, std::uint8_t tick) {
-  const Block* held = find(sequence, key);
-  const std::uint32_t held_version = held == nullptr ? 0 : held->version;
-  if (held_version < base || held_version >= version) return;
-  Block& block = make(sequence, key);
-  block.version = version;
-  block.datum_mm = delta.datum_mm;
-  block.tick = tick;
+ToldBlock told_block(const BlockKey& key, std::uint32_t version, const BlockDelta& delta) {
+  ToldBlock told{key, version, delta.datum_mm, {}};
   for (std::size_t i = 0; i < kBlockCells; ++i) {
-    if (!delta.changed[i]) continue;
-    block.cells.at(i) = after_change(block.cells.at(i), delta.cells.at(i), tick);
+    if (delta.changed[i]) told.cells.emplace_back(static_cast<std::uint8_t>(i), delta.cells.at(i));
+  }
+  return told;
+}
+
+void ContextImage::merge(std::uint32_t sequence, const ToldBlock& told, std::uint8_t tick) {
+  const Block* held = find(sequence, told.key);
+  if (held != nullptr && held->version >= told.version) return;
+  Block& block = make(sequence, told.key);
+  block.version = told.version;
+  block.datum_mm = told.datum_mm;
+  block.tick = tick;
+  for (const auto& [place, cell] : told.cells) {
+    block.cells.at(place) = after_change(block.cells.at(place), cell, tick);
   }
 }
 
@@ -47,8 +52,8 @@ void ContextImage::clear() {
   blocks_ = 0;
 }
 
-ContextImage::Cell after_change(const ContextImage::Cell& before, const Cell& now,
-                                std::uint8_t tick) {
+ContextImage::SeenCell after_change(const ContextImage::SeenCell& before, const Cell& now,
+                                    std::uint8_t tick) {
   if (!now.known()) return {.height_mm = 0, .probability = 0, .tick = tick, .updates = 0};
   const int updates = before.probability == 0 ? 1 : std::min(before.updates + 1, 255);
   return {now.height_mm, now.probability, tick, static_cast<std::uint8_t>(updates)};

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <vector>
 
-#include "proto/codec/block_codec.h"
 #include "proto/codec/bytes.h"
 #include "proto/codec/text.h"
 
@@ -42,7 +42,18 @@ class FieldWriter {
     put_string(value);
   }
   void text(const char* /*name*/, const std::string& value) { put_string(wire_text(value)); }
-  void block(const char* /*name*/, const BlockDelta& delta) { write_block(out_, delta); }
+  /// Counted by a byte.
+  void bytes(const char* name, const std::vector<std::uint8_t>& value, std::uint8_t most) {
+    assert(value.size() <= most);
+    number<std::uint8_t>(name, static_cast<std::uint8_t>(value.size()), 0, most);
+    out_.put_bytes(value);
+  }
+  /// All that is left of the record.
+  void rest(const char* /*name*/, const std::vector<std::uint8_t>& value, std::size_t most) {
+    assert(!value.empty() && value.size() <= most);
+    (void)most;
+    out_.put_bytes(value);
+  }
   template <class T, class Each>
   void list(const char* name, const std::vector<T>& values, std::uint8_t most, Each each) {
     assert(!values.empty() && values.size() <= most);
@@ -103,9 +114,19 @@ class FieldReader {
     value = get_string();
     require(name, valid_text(value));
   }
-  void block(const char* name, BlockDelta& delta) {
-    read_block(in_, delta);
+  void bytes(const char* name, std::vector<std::uint8_t>& value, std::uint8_t most) {
+    std::uint8_t count = 0;
+    number<std::uint8_t>(name, count, 0, most);
+    if (failed()) return;
+    const auto taken = in_.take(count);
+    value.assign(taken.begin(), taken.end());
     require(name, true);
+  }
+  void rest(const char* name, std::vector<std::uint8_t>& value, std::size_t most) {
+    require(name, in_.left() >= 1 && in_.left() <= most);
+    if (failed()) return;
+    const auto taken = in_.take(in_.left());
+    value.assign(taken.begin(), taken.end());
   }
   template <class T, class Each>
   void list(const char* name, std::vector<T>& values, std::uint8_t most, Each each) {

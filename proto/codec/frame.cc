@@ -1,5 +1,6 @@
 #include "proto/codec/frame.h"
 
+#include <algorithm>
 #include <boost/crc.hpp>
 #include <string>
 
@@ -56,6 +57,10 @@ Result<Record> read_next_record(ByteReader& in, Direction direction) {
   return read_record(type, body, direction);
 }
 
+bool is_patch(const Record& record) {
+  return std::holds_alternative<EvidencePatch>(record) || std::holds_alternative<MapPatch>(record);
+}
+
 Status read_records(ByteReader& in, Direction direction, std::vector<Record>& records) {
   while (in.left() > 0) {
     if (records.size() == kMaxFrameRecords) {
@@ -65,6 +70,10 @@ Status read_records(ByteReader& in, Direction direction, std::vector<Record>& re
     Result<Record> record = read_next_record(in, direction);
     if (!record) return record.error();
     records.push_back(*std::move(record));
+    if (std::ranges::count_if(records, is_patch) > std::ptrdiff_t{kMaxFramePatches}) {
+      return refused(ErrorCode::corrupt, "more than " + std::to_string(kMaxFramePatches) +
+                                             " patches; check that both ends run the same version");
+    }
   }
   return {};
 }
@@ -84,12 +93,19 @@ FrameWriter::FrameWriter(FrameHeader header) {
 
 bool FrameWriter::add(const Record& record) {
   if (records_ == kMaxFrameRecords) return false;
+  if (is_patch(record) && patches_ == kMaxFramePatches) return false;
   const std::size_t before = bytes_.size();
   append_record(bytes_, record);
   const bool fits = size_bytes() <= kMaxFrameBytes;
   if (fits) ++records_;
+  if (fits && is_patch(record)) ++patches_;
   if (!fits) bytes_.resize(before);
   return fits;
+}
+
+std::size_t FrameWriter::room_bytes() const {
+  const std::size_t taken = size_bytes() + kRecordHeaderBytes;
+  return records_ == kMaxFrameRecords || taken > kMaxFrameBytes ? 0 : kMaxFrameBytes - taken;
 }
 
 std::vector<std::uint8_t> FrameWriter::finish() && {

@@ -10,12 +10,13 @@
 
 namespace cairn::proto {
 
-inline constexpr std::uint8_t kProtocolVersion = 2;
+inline constexpr std::uint8_t kProtocolVersion = 3;
 inline constexpr std::size_t kFrameHeaderBytes = 12;
 inline constexpr std::size_t kChecksumBytes = 4;
-/// A decoded record takes about 2 kB however short it was on the wire: this bounds what a frame can
-/// make the receiver allocate.
+/// Bounds what a frame can make the receiver allocate …
 inline constexpr std::size_t kMaxFrameRecords = 64;
+/// … and how much work its patches can make (kMaxPatchBlocks and kMaxPatchCells each).
+inline constexpr std::size_t kMaxFramePatches = 4;
 
 enum class Direction : std::uint8_t { up = 0, down = 1 };  ///< up: robot → server.
 
@@ -41,17 +42,20 @@ class FrameWriter {
   [[nodiscard]] bool empty() const { return records_ == 0; }
   /// [bytes] Of the finished frame.
   [[nodiscard]] std::size_t size_bytes() const { return bytes_.size() + kChecksumBytes; }
+  /// [bytes] Room for the body of one more record; 0 when none fits.
+  [[nodiscard]] std::size_t room_bytes() const;
   /// Closes the frame with its checksum.
   [[nodiscard]] std::vector<std::uint8_t> finish() &&;
 
  private:
   std::vector<std::uint8_t> bytes_;
   std::size_t records_ = 0;
+  std::size_t patches_ = 0;
 };
 
 /// Reads a whole frame or says what is wrong with it: magic, version, direction, checksum, every
 /// record's length, enum and bound. Never reads outside, never allocates for more than
-/// kMaxFrameRecords records.
+/// kMaxFrameRecords records. Patches are not looked into.
 [[nodiscard]] Result<Frame> decode_frame(std::span<const std::uint8_t> bytes,
                                          Direction expected_direction);
 

@@ -18,6 +18,13 @@ constexpr std::size_t kGuessedBitsPerCell = 8;
 constexpr std::size_t kGuessedBitsPerBlock = 12;
 constexpr std::array kLayers = {EvidenceLayer::surface, EvidenceLayer::seen_through};
 
+/// The trained state, to be learned on from. Its memory is kept: it is as large as 200 packets.
+MixerState& fresh_state() {
+  static thread_local MixerState state;
+  state = trained_priors();
+  return state;
+}
+
 bool all_of_coarseness(const BlockUpdate& update, const Coarseness& coarseness) {
   for (std::size_t i = 0; i < kBlockCells; ++i) {
     if (update.delta.changed[i] && !representable(update.delta.cells.at(i), coarseness)) {
@@ -114,7 +121,7 @@ std::vector<std::uint8_t> write_chosen(std::span<const BlockUpdate> blocks,
 /// The first block alone, without statistics: however wild it is, its length is bounded.
 PatchBytes write_plain(std::span<const BlockUpdate> blocks, const PatchSetting& setting,
                        const ContextImage& image, std::size_t most_bytes) {
-  MixerState state = trained_priors();
+  MixerState& state = fresh_state();
   auto bytes =
       write_chosen(blocks.first(1), {0}, setting, {kExact, true}, image, state, kPacketLearning);
   if (bytes.size() > most_bytes) return {};
@@ -132,7 +139,7 @@ PatchBytes write_patch(std::span<const BlockUpdate> blocks, const PatchSetting& 
   for (int tries = 0; tries < kMostTries; ++tries) {
     const auto chosen = choose(blocks, most_bits);
     if (chosen.size() <= best.taken.size()) break;
-    MixerState state = trained_priors();
+    MixerState& state = fresh_state();
     auto bytes = write_chosen(blocks, chosen, setting, {coarseness}, image, state, kPacketLearning);
     std::size_t guessed = 0;
     for (const std::size_t i : chosen) guessed += guessed_bits(blocks[i]);
@@ -169,7 +176,7 @@ Result<std::vector<BlockUpdate>> read_patch(std::span<const std::uint8_t> bytes,
   if (const std::string wrong = faults(manner.coarseness); !wrong.empty()) {
     return Error{ErrorCode::corrupt, "patch: " + wrong};
   }
-  MixerState state = trained_priors();
+  MixerState& state = fresh_state();
   Coder coder(decoder, state, kPacketLearning, setting, manner, image);
   std::vector<BlockUpdate> blocks;
   for (const EvidenceLayer layer : kLayers) {

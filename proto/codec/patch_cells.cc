@@ -48,20 +48,37 @@ struct Around {
   const WindowCell& ne;
 };
 
-struct Offset {
-  int dx;
-  int dy;
-};
-constexpr std::array<Offset, 8> kEight = {
-    {{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+int ones(int bits) { return std::popcount(static_cast<unsigned>(bits)); }
 
-/// One bit for each of the eight neighbours for which `is` holds.
-template <class Is>
-int pattern(const Window& window, int x, int y, Is is) {
-  int bits = 0;
-  for (const Offset at : kEight) bits = bits * 2 + is(window.at(x + at.dx, y + at.dy));
-  return bits;
-}
+/// The rows around a cell, bit 3 of each being its column.
+class Bits {
+ public:
+  Bits(const Window& window, int x, int y) : window_(window), x_(x), y_(y) {}
+
+  [[nodiscard]] int told_row(int dy) const { return seven(window_.row(y_ + dy).told); }
+  /// One bit for each of the eight neighbours.
+  [[nodiscard]] int eight(std::uint32_t Window::Row::*of) const {
+    const int above = seven(window_.row(y_ - 1).*of) >> 2 & 7;
+    const int beside = seven(window_.row(y_).*of) >> 2 & 5;
+    const int below = seven(window_.row(y_ + 1).*of) >> 2 & 7;
+    return above | ((beside & 1) | beside >> 1) << 3 | below << 5;
+  }
+  /// How many of the 25 within two cells.
+  [[nodiscard]] int wide(std::uint32_t Window::Row::*of) const {
+    int count = 0;
+    for (int dy = -2; dy <= 2; ++dy) count += ones(seven(window_.row(y_ + dy).*of) >> 1 & 31);
+    return count;
+  }
+
+ private:
+  [[nodiscard]] int seven(std::uint32_t row) const {
+    return static_cast<int>(row >> static_cast<unsigned>(x_)) & 127;
+  }
+
+  const Window& window_;
+  int x_;
+  int y_;
+};
 
 int known(const WindowCell& cell) { return cell.known() ? 1 : 0; }
 
@@ -209,39 +226,31 @@ bool CellCoder<Coder>::quarter(const Window& window, int q, const bool* coded, b
 template <class Coder>
 bool CellCoder<Coder>::mask(const Here& here, bool is, int in_block) {
   const Window& window = *here.window;
-  const auto [x, y] = std::pair{here.x, here.y};
-  const Around a(window, x, y);
+  const Around a(window, here.x, here.y);
+  const Bits bits(window, here.x, here.y);
   const int self = known(a.self);
   const int told = a.told();
-  const int far = changed(window.at(x - 2, y)) + 2 * changed(window.at(x, y - 2)) +
-                  4 * changed(window.at(x + 2, y - 1)) + 8 * changed(window.at(x - 2, y - 1));
-  const int near = changed(a.w) + 2 * changed(a.n) + 4 * changed(a.nw) + 8 * changed(a.ne);
-  int row = 0;  // The row above.
-  for (int d = -3; d <= 3; ++d) row = row * 2 + changed(window.at(x + d, y - 1));
-  const int recent8 = pattern(window, x, y, fresh);
-  const int recent = std::popcount(static_cast<unsigned>(recent8)) + fresh(a.self);
-  const int known8 = pattern(window, x, y, known);
-  int wide_recent = 0;
-  int wide_known = 0;
-  for (int dy = -2; dy <= 2; ++dy) {
-    for (int dx = -2; dx <= 2; ++dx) {
-      wide_recent += fresh(window.at(x + dx, y + dy));
-      wide_known += known(window.at(x + dx, y + dy));
-    }
-  }
+  const int near = (bits.told_row(0) >> 2 & 1) | (bits.told_row(-1) >> 3 & 1) << 1 |
+                   (bits.told_row(-1) >> 2 & 1) << 2 | (bits.told_row(-1) >> 4 & 1) << 3;
+  const int far = (bits.told_row(0) >> 1 & 1) | (bits.told_row(-2) >> 3 & 1) << 1 |
+                  (bits.told_row(-1) >> 5 & 1) << 2 | (bits.told_row(-1) >> 1 & 1) << 3;
+  const int west = bits.told_row(0) & 7;  // The three before it in the row.
+  const int recent8 = bits.eight(&Window::Row::recent);
+  const int known8 = bits.eight(&Window::Row::known);
+  const int recent = ones(recent8) + fresh(a.self);
+  const int wide_recent = bits.wide(&Window::Row::recent);
+  const int wide_known = bits.wide(&Window::Row::known);
   const int age = a.self.age;
   const int done = log2_class(in_block, 7);
-  const int west =
-      changed(a.w) + 2 * changed(window.at(x - 2, y)) + 4 * changed(window.at(x - 3, y));
   const auto& t = kElements.mask.tables;
   mixer_.begin();
   mixer_.add(t[0].at(z((far * 16 + near) * 2 + self)));
   mixer_.add(t[1].at(z((a.self.level * 8 + age) * 5 + told)));
   mixer_.add(t[2].at(z((known8 * 2 + self) * 5 + told)));
   mixer_.add(t[3].at(z(((recent * 5 + told) * 2 + self) * 8 + age)));
-  mixer_.add(t[4].at(z((row * 4 + (west & 3)) * 2 + self)));
-  mixer_.add(t[5].at(z(((a.self.level * 10 + recent) * 3 + std::min(told, 2)) * 2 + changed(a.w))));
-  mixer_.add(t[6].at(z(((done * 8 + west) * 4 + y / 4) * 2 + self)));
+  mixer_.add(t[4].at(z((bits.told_row(-1) * 4 + (west >> 1)) * 2 + self)));
+  mixer_.add(t[5].at(z(((a.self.level * 10 + recent) * 3 + std::min(told, 2)) * 2 + (near & 1))));
+  mixer_.add(t[6].at(z(((done * 8 + west) * 4 + here.y / 4) * 2 + self)));
   mixer_.add(t[7].at(
       z(((std::min(wide_recent / 2, 7) * 8 + std::min((wide_known + 1) / 3, 7)) * 5 + told) * 5 +
         std::min(age, 4))));
@@ -256,13 +265,14 @@ bool CellCoder<Coder>::mask(const Here& here, bool is, int in_block) {
 
 template <class Coder>
 bool CellCoder<Coder>::code_cell(const Here& here, Cell& cell, std::int32_t datum_mm) {
-  WindowCell& mine = here.window->at(here.x, here.y);
-  const bool was_known = mine.known();
+  const WindowCell before = here.window->at(here.x, here.y);
+  const bool was_known = before.known();
   if (clear(here, !cell.known())) {
     cell = {};
-    mine = told_cell(mine, cell, coarseness_);
+    here.window->tell(here.x, here.y, told_cell(before, cell, coarseness_));
     return true;
   }
+  told_ = {};
   const std::int64_t height = cell.height_mm / coarseness_.quantum_mm;
   int how = 3;  // 0 the same height, 1 moved, 2 replaced by a higher one, 3 new.
   const std::int64_t coded =
@@ -273,9 +283,11 @@ bool CellCoder<Coder>::code_cell(const Here& here, Cell& cell, std::int32_t datu
   if (!HeightMap::storable(cell.height_mm)) return false;
   cell.probability = probability(here, how, cell.probability);
   if (cell.probability == 0) return false;
-  mine = told_cell(mine, cell, coarseness_);
-  if (how > 0) mine.marks |= kMoved;
-  running_.last_height = mine.height;
+  WindowCell now = told_cell(before, cell, coarseness_);
+  now.marks |= told_.marks | (how > 0 ? kMoved : 0);
+  now.residual = told_.residual;
+  here.window->tell(here.x, here.y, now);
+  running_.last_height = now.height;
   return true;
 }
 
@@ -290,15 +302,13 @@ bool CellCoder<Coder>::clear(const Here& here, bool cleared) {
   mixer_.add(element.tables[0].at(z(a.self.level * 5 + told)));
   mixer_.add(element.tables[1].at(z(a.self.level * 8 + a.self.age)));
   mixer_.add(element.tables[2].at(z(gone * 8 + std::min(told, 3) * 2 + known(a.self))));
-  mixer_.add(
-      element.tables[3].at(z(a.self.updates * 8 + std::popcount(static_cast<unsigned>(gone)))));
+  mixer_.add(element.tables[3].at(z(a.self.updates * 8 + ones(gone))));
   return mixer_.code(coder_, cleared, element.first_set + z(told),
                      element.first_set + 5 + z(a.self.age));
 }
 
 template <class Coder>
 std::int64_t CellCoder<Coder>::new_height(const Here& here, std::int64_t height) {
-  WindowCell& mine = here.window->at(here.x, here.y);
   const Around a(*here.window, here.x, here.y);
   Prediction p = predict(*here.window, here.x, here.y);
   if (p.count == 0) {
@@ -312,7 +322,7 @@ std::int64_t CellCoder<Coder>::new_height(const Here& here, std::int64_t height)
   const bool far_off = std::abs(height - off) > clear_of;
   if (alt_apart && alt_mode(here, p, alt.value_or(off),
                             alt ? std::abs(height - *alt) < std::abs(height - off) : far_off)) {
-    mine.marks |= kAltMode;
+    told_.marks |= kAltMode;
     const std::int64_t coded = alt_height(here, alt.value_or(off), height);
     running_.alt_height =
         static_cast<std::int32_t>(std::clamp<std::int64_t>(coded, -100'000'000, 100'000'000));
@@ -347,7 +357,7 @@ std::int64_t CellCoder<Coder>::new_height(const Here& here, std::int64_t height)
       signed_number(height - off, first, first + kNodes + 1 + 4 * z(crowd), contexts);
   const auto miss = static_cast<std::int32_t>(std::min<std::int64_t>(std::abs(missed), 16));
   running_.error16 += (16 * miss - running_.error16) / 8;
-  mine.residual = static_cast<std::uint8_t>(miss);
+  told_.residual = static_cast<std::uint8_t>(miss);
   return off + missed;
 }
 
@@ -450,8 +460,7 @@ int CellCoder<Coder>::level(const Here& here, int how, int value) {
   const auto told_level = [](const WindowCell& cell) {
     return changed(cell) != 0 ? cell.level : 0;
   };
-  const int recent =
-      std::popcount(static_cast<unsigned>(pattern(*here.window, here.x, here.y, fresh)));
+  const int recent = ones(Bits(*here.window, here.x, here.y).eight(&Window::Row::recent));
   const auto& t = kElements.level.tables;
   int node = 1;
   for (int bit = bits - 1; bit >= 0; --bit) {

@@ -72,6 +72,11 @@ class CellCoder {
   BitMixer mixer_;
   Coarseness coarseness_;
   Running& running_;
+  /// Marks and residual of the cell being told.
+  struct {
+    std::uint8_t marks = 0;
+    std::uint8_t residual = 0;
+  } told_;
 };
 
 extern template class CellCoder<RangeEncoder>;

@@ -6,6 +6,7 @@ namespace cairn::proto::patch {
 namespace {
 
 constexpr std::uint8_t kCertainLevel = 17;
+constexpr WindowCell kNothing{.age = kUnknownAge};
 
 std::int32_t quanta(std::int32_t height_mm, int quantum_mm) {
   const std::int32_t half = quantum_mm / 2;
@@ -27,6 +28,21 @@ std::uint8_t context_level(std::uint8_t probability) {
   return static_cast<std::uint8_t>(1 + level_of(probability, kMaxLevels));
 }
 
+void Window::tell(int x, int y, const WindowCell& cell) {
+  cells_[index(x, y)] = cell;
+  mark(x, y);
+}
+
+void Window::mark(int x, int y) {
+  const WindowCell& cell = at(x, y);
+  Row& row = rows_[static_cast<std::size_t>(y + kMargin)];
+  const std::uint32_t bit = 1U << static_cast<unsigned>(x + kMargin);
+  const auto set = [bit](std::uint32_t& bits, bool is) { bits = is ? bits | bit : bits & ~bit; };
+  set(row.known, cell.known());
+  set(row.recent, cell.known() && cell.age == 1);
+  set(row.told, (cell.marks & kChanged) != 0);
+}
+
 void Window::put(int dx, int dy, const BlockCells* cells) {
   const auto range = [](int d) {
     return std::pair{d < 0 ? -kMargin : d * kBlockSize,
@@ -36,14 +52,10 @@ void Window::put(int dx, int dy, const BlockCells* cells) {
   const auto [y0, y1] = range(dy);
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
-      WindowCell& cell = at(x, y);
-      if (cells == nullptr) {
-        cell = {};
-        cell.age = kUnknownAge;
-        continue;
-      }
+      WindowCell& cell = cells_[index(x, y)];
       const int from = (y - dy * kBlockSize) * kBlockSize + x - dx * kBlockSize;
-      cell = (*cells)[static_cast<std::size_t>(from)];
+      cell = cells == nullptr ? kNothing : (*cells)[static_cast<std::size_t>(from)];
+      mark(x, y);
     }
   }
 }
@@ -60,7 +72,7 @@ Window::BlockCells cells_of(const ContextImage::Block& block, std::uint8_t tick,
                             const Coarseness& coarseness) {
   Window::BlockCells cells;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const ContextImage::Cell& from = block.cells[i];
+    const ContextImage::SeenCell& from = block.cells[i];
     WindowCell& cell = cells[i];
     cell.age = kUnknownAge;
     if (from.probability == 0) continue;

@@ -39,18 +39,30 @@ class Window {
 
   /// Requires: -kMargin ≤ x, y < kBlockSize + kMargin.
   [[nodiscard]] const WindowCell& at(int x, int y) const { return cells_[index(x, y)]; }
-  [[nodiscard]] WindowCell& at(int x, int y) { return cells_[index(x, y)]; }
+  /// The middle's cell is told. Requires: 0 ≤ x, y < kBlockSize.
+  void tell(int x, int y, const WindowCell& cell);
+
+  /// What most contexts ask for: which cells of a row are known, changed in the round before, told
+  /// in this packet. Bit x + kMargin is the cell x.
+  struct Row {
+    std::uint32_t known = 0;
+    std::uint32_t recent = 0;
+    std::uint32_t told = 0;
+  };
+  /// Requires: -kMargin ≤ y < kBlockSize + kMargin.
+  [[nodiscard]] const Row& row(int y) const { return rows_[static_cast<std::size_t>(y + kMargin)]; }
   /// Puts the block that lies (dx, dy) blocks off the middle one; null: nothing known there.
   void put(int dx, int dy, const BlockCells* cells);
   [[nodiscard]] BlockCells middle() const;
-
-  static constexpr int kStride = kWidth;
 
  private:
   static constexpr std::size_t index(int x, int y) {
     return static_cast<std::size_t>((y + kMargin) * kWidth + x + kMargin);
   }
+  void mark(int x, int y);
+
   std::array<WindowCell, std::size_t{kWidth} * kWidth> cells_{};
+  std::array<Row, std::size_t{kWidth}> rows_{};
 };
 
 /// What the image holds of a block, as the coder sees it at `tick`.

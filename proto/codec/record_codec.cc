@@ -1,5 +1,6 @@
 #include "proto/codec/record_codec.h"
 
+#include <algorithm>
 #include <string>
 #include <type_traits>
 
@@ -84,14 +85,14 @@ void fields(Io& io, typename Io::template Ref<SubmapHead> r) {
 }
 
 template <class Io>
-void fields(Io& io, typename Io::template Ref<BlockUpdate> r) {
+void fields(Io& io, typename Io::template Ref<EvidencePatch> r) {
   io.number("sequence", r.sequence);
-  fields(io, r.key);
-  io.number("base", r.base);
-  io.number("version", r.version);
-  io.require("base", r.base < r.version);
-  coordinate(io, "datum", r.delta.datum_mm);
-  io.block("cells", r.delta);
+  io.number("tick", r.tick);
+  io.number("epoch", r.ground.epoch);
+  io.number("before", r.ground.before);
+  io.bytes("back", r.ground.back, kMaxGroundFrames);
+  io.require("back", std::ranges::find(r.ground.back, 0) == r.ground.back.end());
+  io.rest("patch", r.bytes, kMaxPatchBytes);
 }
 
 template <class Io>
@@ -151,13 +152,15 @@ void fields(Io& io, typename Io::template Ref<PathPart> r) {
 }
 
 template <class Io>
-void fields(Io& io, typename Io::template Ref<MapBlock> r) {
+void fields(Io& io, typename Io::template Ref<MapPatch> r) {
   io.template number<std::uint32_t>("step", r.step, 1);
-  fields(io, r.tile);
-  io.template number<std::uint8_t>("block", r.block, 0, kBlocksPerTile - 1);
   io.number("holds", r.holds_sequence);
-  coordinate(io, "datum", r.content.datum_mm);
-  io.block("cells", r.content);
+  io.rest("patch", r.bytes, kMaxPatchBytes);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<GroundLost> r) {
+  io.number("epoch", r.epoch);
 }
 
 template <class Io>
@@ -200,7 +203,7 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, Hello>) return {1, Sender::robot, "hello"};
   if constexpr (std::is_same_v<R, PoseReport>) return {2, Sender::robot, "pose report"};
   if constexpr (std::is_same_v<R, SubmapHead>) return {3, Sender::robot, "submap head"};
-  if constexpr (std::is_same_v<R, BlockUpdate>) return {4, Sender::robot, "block update"};
+  if constexpr (std::is_same_v<R, EvidencePatch>) return {4, Sender::robot, "evidence patch"};
   if constexpr (std::is_same_v<R, CommandReport>) return {5, Sender::robot, "command report"};
   if constexpr (std::is_same_v<R, Bye>) return {6, Sender::robot, "bye"};
   if constexpr (std::is_same_v<R, Welcome>) return {17, Sender::server, "welcome"};
@@ -209,9 +212,10 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, Refusal>) return {20, Sender::server, "refusal"};
   if constexpr (std::is_same_v<R, Command>) return {21, Sender::server, "command"};
   if constexpr (std::is_same_v<R, PathPart>) return {22, Sender::server, "path part"};
-  if constexpr (std::is_same_v<R, MapBlock>) return {23, Sender::server, "map block"};
+  if constexpr (std::is_same_v<R, MapPatch>) return {23, Sender::server, "map patch"};
   if constexpr (std::is_same_v<R, SubmapMove>) return {24, Sender::server, "submap move"};
   if constexpr (std::is_same_v<R, MapCommit>) return {25, Sender::server, "map commit"};
+  if constexpr (std::is_same_v<R, GroundLost>) return {26, Sender::server, "ground lost"};
   if constexpr (std::is_same_v<R, Ack>) return {32, Sender::both, "ack"};
 }
 

@@ -77,12 +77,37 @@ struct SubmapHead {
 inline constexpr std::uint32_t kMaxSubmapBlocks = 65536;
 
 /// New values of one block: from any version ≥ `base` to `version`. At least one cell changed.
+/// Travels in patches.
 struct BlockUpdate {
   std::uint32_t sequence = 0;  ///< Of the submap.
   BlockKey key;
   std::uint32_t base = 0;  ///< [Limit: < version]
   std::uint32_t version = 0;
   BlockDelta delta;
+};
+
+/// [bytes] Of a patch: what a frame has room for.
+inline constexpr std::size_t kMaxPatchBytes = 1180;
+inline constexpr std::size_t kMaxGroundFrames = 32;
+
+/// On what an evidence patch is told: the image made of the patches of certain frames, all
+/// acknowledged. Counted are the frames merged into it, in their order.
+struct CommonGround {
+  std::uint8_t epoch = 0;   ///< Counts how often the robot began with an empty image.
+  std::uint8_t before = 0;  ///< Frames merged before those named next, modulo 256.
+  /// The frames merged since, named by how many numbers before this frame. [Limit: ≥ 1 each, at
+  /// most kMaxGroundFrames]
+  std::vector<std::uint8_t> back;
+  friend bool operator==(const CommonGround&, const CommonGround&) = default;
+};
+
+/// Changed blocks of one submap.
+struct EvidencePatch {
+  std::uint32_t sequence = 0;  ///< Of the submap.
+  std::uint8_t tick = 0;       ///< Counts the rounds in which evidence set out, modulo 256.
+  CommonGround ground;
+  std::vector<std::uint8_t> bytes;  ///< As in patch.h. [Limit: 1 … kMaxPatchBytes]
+  friend bool operator==(const EvidencePatch&, const EvidencePatch&) = default;
 };
 
 enum class CommandState : std::uint8_t {
@@ -149,6 +174,12 @@ struct Refusal {
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 
+/// "I do not have the common ground of this epoch": begin with an empty image.
+struct GroundLost {
+  std::uint8_t epoch = 0;
+  friend bool operator==(const GroundLost&, const GroundLost&) = default;
+};
+
 enum class CommandKind : std::uint8_t { go_to = 1, stop = 2 };
 enum class OnLinkLoss : std::uint8_t {
   proceed = 0,
@@ -187,27 +218,26 @@ struct PathPart {
   friend bool operator==(const PathPart&, const PathPart&) = default;
 };
 
-/// One block of the long-term map as it now is: cells that `content` does not name are unknown. A
-/// tile comes whole, in all its blocks that hold something; one that holds nothing comes as one
-/// block that names one unknown cell.
-struct MapBlock {
+/// Blocks of one tile of the long-term map as they now are: a patch on an empty image. Cells that
+/// it does not name are unknown. A tile comes whole, in all its blocks that hold something; one
+/// that holds nothing comes as one block that names one unknown cell.
+struct MapPatch {
   std::uint32_t step = 0;  ///< Of the commit it belongs to: a late copy is told by it. [Limit: ≥ 1]
-  TileKey tile;
-  std::uint8_t block = 0;  ///< As in BlockKey.
   /// The submaps of this boot up to this one are folded into the tile.
   std::uint32_t holds_sequence = 0;
-  BlockDelta content;
+  std::vector<std::uint8_t> bytes;  ///< As in patch.h. [Limit: 1 … kMaxPatchBytes]
+  friend bool operator==(const MapPatch&, const MapPatch&) = default;
 };
 
 /// Where the server's pose graph now has one of this boot's submaps.
 struct SubmapMove {
-  std::uint32_t step = 0;  ///< As in MapBlock.
+  std::uint32_t step = 0;  ///< As in MapPatch.
   std::uint32_t sequence = 0;
   SubmapPose T_site_submap;
   friend bool operator==(const SubmapMove&, const SubmapMove&) = default;
 };
 
-/// The blocks and moves of this step have all been acknowledged: use them at once.
+/// The patches and moves of this step have all been acknowledged: use them at once.
 struct MapCommit {
   std::uint32_t step = 0;     ///< Counts up from 1 in a session.
   std::uint32_t edition = 0;  ///< Counts the moves of this boot's submaps; 0 = never moved.
@@ -224,8 +254,8 @@ struct Ack {
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 
-using Record =
-    std::variant<Hello, PoseReport, SubmapHead, BlockUpdate, CommandReport, Bye, Welcome, Reject,
-                 Reset, Refusal, Command, PathPart, MapBlock, SubmapMove, MapCommit, Ack>;
+using Record = std::variant<Hello, PoseReport, SubmapHead, EvidencePatch, CommandReport, Bye,
+                            Welcome, Reject, Reset, Refusal, Command, PathPart, MapPatch,
+                            SubmapMove, MapCommit, GroundLost, Ack>;
 
 }  // namespace cairn::proto

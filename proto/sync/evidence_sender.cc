@@ -8,8 +8,9 @@
 namespace cairn::proto {
 namespace {
 
-// Blocks that are tried after one did not fit, to fill the rest of the frame with smaller ones.
-constexpr int kMoreTries = 8;
+// No changed cell ever takes less than so many bits of a patch, on the whole: more blocks than that
+// lets through would be gathered for nothing.
+constexpr std::size_t kLeastBitsPerCell = 3;
 
 }  // namespace
 
@@ -100,16 +101,7 @@ int EvidenceSender::fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint3
     if (!add_head(outgoing, frame, number, cargo)) return 0;
     ++added;
   }
-  int misses = 0;
-  for (auto turn = outgoing.waiting.begin(); turn != outgoing.waiting.end();) {
-    const BlockKey key = (turn++)->second;  // Adding takes it off the queue.
-    if (add_block(outgoing, key, frame, number, cargo)) {
-      ++added;
-    } else if (++misses > kMoreTries) {
-      break;
-    }
-  }
-  return added;
+  return added + add_blocks(outgoing, frame, number, cargo);
 }
 
 bool EvidenceSender::add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number,
@@ -123,26 +115,48 @@ bool EvidenceSender::add_head(Outgoing& outgoing, FrameWriter& frame, std::uint3
   return true;
 }
 
-bool EvidenceSender::add_block(Outgoing& outgoing, const BlockKey& key, FrameWriter& frame,
-                               std::uint32_t number, Cargo& cargo) {
-  Block& block = outgoing.blocks.at(key);
-  const std::uint32_t sequence = outgoing.head.newest.sequence;
-  const std::uint32_t version = outgoing.versions.version(key);
-  BlockUpdate update{sequence, key, block.acked, version, {}};
-  update.delta = outgoing.versions.changes_since(key, block.acked, outgoing.submap);
-  if (!frame.add(update)) return false;
-  outgoing.waiting.erase({block.last_sent, key});
-  block.under_way = version;
+int EvidenceSender::add_blocks(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number,
+                               Cargo& cargo) {
+  const auto updates = next_updates(outgoing, frame.room_bytes());
+  if (updates.empty()) return 0;
+  const auto taken = patches_.fill(frame, number, updates);
+  for (const std::size_t i : taken) set_out(outgoing, updates[i], number, cargo);
+  return taken.empty() ? 0 : 1;
+}
+
+/// The blocks whose turn it is, as many as could fit into so much room.
+std::vector<BlockUpdate> EvidenceSender::next_updates(const Outgoing& outgoing,
+                                                      std::size_t room_bytes) {
+  std::vector<BlockUpdate> updates;
+  std::size_t cells = 0;
+  for (const auto& [turn, key] : outgoing.waiting) {
+    if (cells * kLeastBitsPerCell > room_bytes * 8 || updates.size() == kMaxPatchBlocks) break;
+    const std::uint32_t acked = outgoing.blocks.at(key).acked;
+    BlockUpdate update{
+        outgoing.head.newest.sequence, key, acked, outgoing.versions.version(key), {}};
+    update.delta = outgoing.versions.changes_since(key, acked, outgoing.submap);
+    cells += update.delta.changed.count();
+    updates.push_back(update);
+  }
+  return updates;
+}
+
+void EvidenceSender::set_out(Outgoing& outgoing, const BlockUpdate& update, std::uint32_t number,
+                             Cargo& cargo) {
+  Block& block = outgoing.blocks.at(update.key);
+  outgoing.versions.told(update.key);
+  outgoing.waiting.erase({block.last_sent, update.key});
+  block.under_way = update.version;
   block.carrier = number;
   block.last_sent = ++turn_;
   ++outgoing.blocks_under_way;
-  cargo.items.push_back({sequence, key, version});
-  return true;
+  cargo.items.push_back({update.sequence, update.key, update.version});
 }
 
 // ---- What became of them ------------------------------------------------------------------------
 
 void EvidenceSender::on_acked(std::uint32_t number) {
+  patches_.on_acked(number);
   const auto cargo = cargoes_.find(number);
   if (cargo == cargoes_.end()) return;
   for (const auto& item : cargo->second.items) item_acked(item);
@@ -196,6 +210,7 @@ void EvidenceSender::on_refused(const Refusal& refusal) {
 }
 
 void EvidenceSender::on_session(bool forget_acked) {
+  patches_.on_session();
   cargoes_.clear();
   for (auto& [sequence, outgoing] : submaps_) {
     outgoing.head.under_way = 0;

@@ -9,6 +9,7 @@
 
 #include "core/delta/block.h"
 #include "proto/codec/frame.h"
+#include "proto/sync/patch_sender.h"
 
 namespace cairn::proto {
 
@@ -33,6 +34,11 @@ class EvidenceSender {
   /// The robot will add nothing more to the open submap.
   void close();
   [[nodiscard]] Submap* open_submap();
+  /// How finely the caller writes the submaps, for their patches.
+  void set_coarseness(const Coarseness& coarseness) { patches_.set_coarseness(coarseness); }
+
+  /// Evidence sets out (again) after frame `last_number`.
+  void begin_round(std::uint32_t last_number) { patches_.begin_round(last_number); }
 
   /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first. A block with
   /// a delta under way waits until that is acknowledged or lost, so that no cell travels twice for
@@ -46,6 +52,8 @@ class EvidenceSender {
   void on_lost(std::uint32_t number);
   /// The peer holds less than it acknowledged (it never acknowledges the frame it refused).
   void on_refused(const Refusal& refusal);
+  /// The peer lost the common ground of the patches; what was under way comes to be lost.
+  void on_ground_lost(const GroundLost& lost) { patches_.on_ground_lost(lost.epoch); }
   /// A new session or store epoch: nothing is under way any more; with `forget_acked` nothing
   /// counts as held either.
   void on_session(bool forget_acked);
@@ -96,8 +104,10 @@ class EvidenceSender {
   void drop_oldest_closed();
   int fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
   bool add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
-  bool add_block(Outgoing& outgoing, const BlockKey& key, FrameWriter& frame, std::uint32_t number,
-                 Cargo& cargo);
+  int add_blocks(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
+  [[nodiscard]] static std::vector<BlockUpdate> next_updates(const Outgoing& outgoing,
+                                                             std::size_t room_bytes);
+  void set_out(Outgoing& outgoing, const BlockUpdate& update, std::uint32_t number, Cargo& cargo);
   void item_acked(const Cargo::Item& item);
   void item_lost(const Cargo::Item& item, std::uint32_t number);
   Outgoing* find(std::uint32_t sequence);
@@ -109,6 +119,7 @@ class EvidenceSender {
   /// Frames the peer may still acknowledge, also such as were judged lost. [Limit: ≤
   /// Flight::kReach]
   std::map<std::uint32_t, Cargo> cargoes_;
+  PatchSender patches_;
   std::uint32_t last_sequence_ = 0;
   std::uint32_t edition_ = 0;
   std::uint64_t turn_ = 0;

@@ -48,6 +48,8 @@ class Flight {
   /// A new session: numbers begin at 1 again, nothing is under way.
   void reset();
 
+  /// Of the frame numbered last; 0 before the first.
+  [[nodiscard]] std::uint32_t last_number() const { return last_number_; }
   [[nodiscard]] bool evidence_may_go() const;
   /// When `on_time` has something to say; nullopt when nothing is under way.
   [[nodiscard]] std::optional<MonotonicTime> due() const;

@@ -2,20 +2,30 @@
 
 #include <utility>
 
+#include "proto/codec/patch.h"
+
 namespace cairn::proto {
 
-void MapInbox::on_block(const MapBlock& block) {
-  if (block.step != steps_done_ + 1) return;
-  if (!tiles_.contains(block.tile) && tiles_.size() >= kMaxTiles) return;
+bool MapInbox::on_patch(const MapPatch& patch) {
+  if (patch.step != steps_done_ + 1) return true;
+  const auto blocks = read_patch(patch.bytes, {}, {});
+  if (!blocks) return false;
+  for (const BlockUpdate& block : *blocks) take(block, patch.holds_sequence);
+  return true;
+}
+
+void MapInbox::take(const BlockUpdate& block, std::uint32_t holds_sequence) {
+  const TileKey& key = block.key.tile;
+  if (!tiles_.contains(key) && tiles_.size() >= kMaxTiles) return;
   const auto [entry, fresh] =
-      tiles_.try_emplace(block.tile, Staged{Tile(block.content.datum_mm), block.holds_sequence});
+      tiles_.try_emplace(key, Staged{Tile(block.delta.datum_mm), holds_sequence});
   Tile& tile = entry->second.tile;
   for (int i = 0; i < kBlockCells; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    if (!block.content.changed[at]) continue;
-    const Cell& cell = block.content.cells.at(at);
+    if (!block.delta.changed[at]) continue;
+    const Cell& cell = block.delta.cells.at(at);
     if (cell.known() && !tile.representable(cell.height_mm)) continue;  // Another datum: not ours.
-    tile.set(index_in_tile(block.block, i), cell);
+    tile.set(index_in_tile(block.key.block, i), cell);
   }
 }
 

@@ -16,7 +16,7 @@ struct MapUpdate {
   struct Part {
     TileKey key;
     Tile tile;
-    std::uint32_t holds_sequence = 0;  ///< As in MapBlock.
+    std::uint32_t holds_sequence = 0;  ///< As in MapPatch.
   };
   std::vector<Part> tiles;
   std::vector<SubmapPlace> moves;
@@ -29,7 +29,8 @@ class MapInbox {
   static constexpr std::size_t kMaxTiles = 64;    ///< More are not taken before a commit.
   static constexpr std::size_t kMaxMoves = 4096;  ///< Neither are more moves.
 
-  void on_block(const MapBlock& block);
+  /// False, changing nothing, when it cannot be read. One of another step brings nothing.
+  [[nodiscard]] bool on_patch(const MapPatch& patch);
   void on_move(const SubmapMove& move);
   /// The step, if it is the next one; a repeated commit brings nothing.
   std::optional<MapUpdate> on_commit(const MapCommit& commit);
@@ -37,6 +38,7 @@ class MapInbox {
   void on_session();
 
  private:
+  void take(const BlockUpdate& block, std::uint32_t holds_sequence);
   struct Staged {
     Tile tile;
     std::uint32_t holds_sequence = 0;

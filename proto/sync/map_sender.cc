@@ -2,21 +2,30 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
+
+#include "proto/codec/patch.h"
 
 namespace cairn::proto {
 namespace {
 
-MapBlock block_of(std::uint32_t step, const MapOffer::Part& part, const Tile& tile,
-                  std::uint8_t block) {
-  return {step, part.key, block, part.holds_sequence, diff(nullptr, &tile, block)};
-}
+/// [bytes] Of a MapPatch before its patch.
+constexpr std::size_t kMapPatchHeadBytes = 8;
+/// A part of a frame smaller than this is left empty: patches far below a frame cost more.
+constexpr std::size_t kLeastRoom = kEnoughForABlock;
 
-/// Says that a tile holds nothing any more.
-MapBlock empty_block(std::uint32_t step, const MapOffer::Part& part, const Tile& tile) {
-  MapBlock block{step, part.key, 0, part.holds_sequence, {}};
-  block.content.datum_mm = tile.datum_mm();
-  block.content.changed.set(0);
-  return block;
+/// The tile's blocks that hold something; one with one unknown cell when none does.
+std::vector<BlockUpdate> blocks_of(const TileKey& key, const Tile& tile) {
+  std::vector<BlockUpdate> blocks;
+  for (std::uint8_t block = 0; block < kBlocksPerTile; ++block) {
+    BlockUpdate update{0, {EvidenceLayer::surface, key, block}, 0, 1, diff(nullptr, &tile, block)};
+    if (update.delta.changed.any()) blocks.push_back(update);
+  }
+  if (!blocks.empty()) return blocks;
+  BlockUpdate nothing{0, {EvidenceLayer::surface, key, 0}, 0, 1, {}};
+  nothing.delta.datum_mm = tile.datum_mm();
+  nothing.delta.changed.set(0);
+  return {nothing};
 }
 
 }  // namespace
@@ -27,27 +36,16 @@ void MapSender::offer(const MapOffer& offer) {
   for (const SubmapPlace& place : offer.moves) {
     items_.push_back({SubmapMove{step(), place.sequence, place.T_site_submap}});
   }
-  for (const MapOffer::Part& part : offer.tiles) add_tile(part);
+  tiles_.assign(offer.tiles.rbegin(), offer.tiles.rend());
   edition_ = offer.edition;
   committing_ = false;
   commit_if_all_acknowledged();
 }
 
-void MapSender::add_tile(const MapOffer::Part& part) {
-  const Tile tile = part.tile.unpack();
-  bool anything = false;
-  for (std::uint8_t block = 0; block < kBlocksPerTile; ++block) {
-    const MapBlock record = block_of(step(), part, tile, block);
-    if (record.content.changed.none()) continue;
-    anything = true;
-    items_.push_back({record});
-  }
-  if (!anything) items_.push_back({empty_block(step(), part, tile)});
-}
-
 int MapSender::fill(FrameWriter& frame, std::uint32_t number) {
   int added = 0;
-  for (Item& item : items_) {
+  for (std::size_t i = 0; i < items_.size() || pack_next(frame); ++i) {
+    Item& item = items_[i];
     if (item.where != Where::waiting) continue;
     if (!frame.add(item.record)) break;
     item.where = Where::under_way;
@@ -55,6 +53,26 @@ int MapSender::fill(FrameWriter& frame, std::uint32_t number) {
     ++added;
   }
   return added;
+}
+
+/// Makes one more patch, as long as the frame has room for; false when there is nothing to make one
+/// of or too little room.
+bool MapSender::pack_next(const FrameWriter& frame) {
+  if (!unpacked_ && !tiles_.empty()) {
+    unpacked_ = {tiles_.back().holds_sequence,
+                 blocks_of(tiles_.back().key, tiles_.back().tile.unpack())};
+    tiles_.pop_back();
+  }
+  if (!unpacked_ || frame.room_bytes() < kLeastRoom + kMapPatchHeadBytes) return false;
+  const std::size_t room = std::min(frame.room_bytes() - kMapPatchHeadBytes, kMaxPatchBytes);
+  PatchBytes patch = write_patch(unpacked_->blocks, {}, kExact, {}, room);
+  assert(!patch.taken.empty());
+  for (auto taken = patch.taken.rbegin(); taken != patch.taken.rend(); ++taken) {
+    unpacked_->blocks.erase(unpacked_->blocks.begin() + static_cast<std::ptrdiff_t>(*taken));
+  }
+  items_.push_back({MapPatch{step(), unpacked_->holds_sequence, std::move(patch.bytes)}});
+  if (unpacked_->blocks.empty()) unpacked_.reset();
+  return true;
 }
 
 void MapSender::on_acked(std::uint32_t number) {
@@ -73,7 +91,7 @@ void MapSender::on_lost(std::uint32_t number) {
 void MapSender::commit_if_all_acknowledged() {
   const bool all = std::ranges::all_of(
       items_, [](const Item& item) { return item.where == Where::acknowledged; });
-  if (!all) return;
+  if (!all || more_to_pack()) return;
   items_.clear();
   if (committing_) {
     committing_ = false;
@@ -85,7 +103,8 @@ void MapSender::commit_if_all_acknowledged() {
 }
 
 bool MapSender::has_news() const {
-  return std::ranges::any_of(items_, [](const Item& item) { return item.where == Where::waiting; });
+  return more_to_pack() ||
+         std::ranges::any_of(items_, [](const Item& item) { return item.where == Where::waiting; });
 }
 
 }  // namespace cairn::proto

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/map/packed_tile.h"
@@ -20,7 +21,7 @@ struct MapOffer {
   struct Part {
     TileKey key;
     PackedTile tile;
-    std::uint32_t holds_sequence = 0;  ///< As in MapBlock.
+    std::uint32_t holds_sequence = 0;  ///< As in MapPatch.
   };
   std::vector<Part> tiles;         ///< [Limit: ≤ MapSender::kMaxTiles]
   std::vector<SubmapPlace> moves;  ///< [Limit: ≤ MapSender::kMaxMoves]
@@ -36,7 +37,7 @@ class MapSender {
   static constexpr std::size_t kMaxMoves = 4096;
 
   /// Nothing is being sent: an offer may be made.
-  [[nodiscard]] bool idle() const { return items_.empty(); }
+  [[nodiscard]] bool idle() const { return items_.empty() && !more_to_pack(); }
   /// Requires: idle(); an offer within its bounds.
   void offer(const MapOffer& offer);
 
@@ -56,11 +57,19 @@ class MapSender {
     std::uint32_t carrier = 0;  ///< Frame it is under way in.
   };
 
+  [[nodiscard]] bool more_to_pack() const { return unpacked_ || !tiles_.empty(); }
   [[nodiscard]] std::uint32_t step() const { return steps_done_ + 1; }
-  void add_tile(const MapOffer::Part& part);
+  /// Blocks of a tile that are not in a patch yet.
+  struct Unpacked {
+    std::uint32_t holds_sequence = 0;
+    std::vector<BlockUpdate> blocks;
+  };
+  bool pack_next(const FrameWriter& frame);
   void commit_if_all_acknowledged();
 
   std::vector<Item> items_;
+  std::vector<MapOffer::Part> tiles_;  ///< Of the offer, still to come, the first one last.
+  std::optional<Unpacked> unpacked_;
   std::uint32_t edition_ = 0;
   std::uint32_t steps_done_ = 0;
   bool committing_ = false;  ///< The one item left is the commit.

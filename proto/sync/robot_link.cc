@@ -15,7 +15,7 @@ std::uint64_t to_clock_ms(MonotonicTime now) {
 bool elicits_ack(const Frame& frame) {
   return std::ranges::any_of(frame.records, [](const Record& record) {
     return std::holds_alternative<Command>(record) || std::holds_alternative<PathPart>(record) ||
-           std::holds_alternative<MapBlock>(record) || std::holds_alternative<SubmapMove>(record) ||
+           std::holds_alternative<MapPatch>(record) || std::holds_alternative<SubmapMove>(record) ||
            std::holds_alternative<MapCommit>(record);
   });
 }
@@ -143,11 +143,16 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
   }
   if (elicits_ack(frame) && !ack_due_) ack_due_ = now + kAckDelay;
   if (received_.is_done(frame.header.number)) return {};
+  if (!take_patches(frame)) {
+    ++counters_.frames_malformed;
+    return {};
+  }
   received_.done(frame.header.number);
   std::vector<Order> orders;
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
     if (const auto* refusal = std::get_if<Refusal>(&record)) evidence_.on_refused(*refusal);
+    if (const auto* lost = std::get_if<GroundLost>(&record)) evidence_.on_ground_lost(*lost);
     if (const auto* command = std::get_if<Command>(&record)) {
       take(orders_.on_command(*command), orders);
     }
@@ -157,8 +162,14 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
   return orders;
 }
 
+bool RobotLink::take_patches(const Frame& frame) {
+  return std::ranges::all_of(frame.records, [&](const Record& record) {
+    const auto* patch = std::get_if<MapPatch>(&record);
+    return patch == nullptr || map_.on_patch(*patch);
+  });
+}
+
 void RobotLink::take_map(const Record& record) {
-  if (const auto* block = std::get_if<MapBlock>(&record)) map_.on_block(*block);
   if (const auto* move = std::get_if<SubmapMove>(&record)) map_.on_move(*move);
   if (const auto* commit = std::get_if<MapCommit>(&record)) {
     if (auto update = map_.on_commit(*commit)) map_updates_.push_back(*std::move(update));
@@ -273,6 +284,7 @@ bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= po
 void RobotLink::open_round_if_due(MonotonicTime now) {
   if (round_open_ || now < round_due_ || !evidence_.has_news()) return;
   round_open_ = true;
+  evidence_.begin_round(flight_.last_number());
   round_due_ = now + config_.evidence_period;
 }
 

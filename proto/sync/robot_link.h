@@ -103,6 +103,8 @@ class RobotLink {
   void begin_session(const Welcome& welcome);
   void leave_session();
   std::vector<Order> on_session_frame(const Frame& frame, MonotonicTime now);
+  /// False when one cannot be read: then the frame is as good as lost.
+  bool take_patches(const Frame& frame);
   void take_map(const Record& record);
   void on_ack(const Ack& ack, MonotonicTime now);
   void take(OrderDesk::Outcome outcome, std::vector<Order>& orders);

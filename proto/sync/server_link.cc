@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 namespace cairn::proto {
@@ -50,7 +51,6 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
     if (const auto* head = std::get_if<SubmapHead>(&record)) evidence.heads.push_back(*head);
-    if (const auto* block = std::get_if<BlockUpdate>(&record)) evidence.blocks.push_back(*block);
     if (const auto* bye = std::get_if<Bye>(&record)) events.emplace_back(*bye);
     if (const auto* pose = std::get_if<PoseReport>(&record)) {
       if (take(*pose, now)) events.emplace_back(*pose);
@@ -60,6 +60,7 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
       if (take(*report, number)) events.emplace_back(*report);
     }
   }
+  if (!read_patches(frame, evidence.blocks)) return events;
   const bool eager = elicits_ack(evidence, reports);
   if (!evidence.heads.empty() || !evidence.blocks.empty()) {
     events.emplace_back(std::move(evidence));
@@ -68,6 +69,18 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
     acknowledge_by(now + (eager ? RobotLink::kAckDelay : kLazyAckDelay));
   }
   return events;
+}
+
+bool ServerLink::read_patches(const Frame& frame, std::vector<BlockUpdate>& blocks) {
+  for (const Record& record : frame.records) {
+    const auto* patch = std::get_if<EvidencePatch>(&record);
+    if (patch == nullptr) continue;
+    auto read = patches_.read(frame.header.number, *patch);
+    if (read.outcome == PatchReceiver::Outcome::lost) ground_lost_ = {patch->ground.epoch};
+    if (read.outcome != PatchReceiver::Outcome::read) return false;
+    std::ranges::move(read.blocks, std::back_inserter(blocks));
+  }
+  return true;
 }
 
 void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
@@ -161,6 +174,7 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   if (ack_due_ && frame.add(done_.ack())) ack_due_.reset();
   const bool parts = orders_.fill_parts(frame, number);
   add_refusals(frame);
+  if (ground_lost_ && frame.add(*ground_lost_)) ground_lost_.reset();
   const bool map = map_may_go() && map_.fill(frame, number) > 0;
   if (command || parts || map) flight_.sent(number, map, now);
   return finish(std::move(frame));
@@ -190,7 +204,8 @@ std::uint64_t ServerLink::in_robot_clock(MonotonicTime time) const {
 
 bool ServerLink::something_is_due(MonotonicTime now) const {
   const bool ack = ack_due_ && now >= *ack_due_;
-  return welcome_due_ || ack || orders_.has_news() || !refusals_.empty() || map_may_go();
+  return welcome_due_ || ack || orders_.has_news() || !refusals_.empty() || ground_lost_ ||
+         map_may_go();
 }
 
 MonotonicTime ServerLink::next_due(MonotonicTime now) const {

@@ -15,6 +15,7 @@
 #include "proto/sync/flight.h"
 #include "proto/sync/map_sender.h"
 #include "proto/sync/order_sender.h"
+#include "proto/sync/patch_receiver.h"
 #include "proto/sync/robot_link.h"
 
 namespace cairn::proto {
@@ -40,9 +41,10 @@ class ServerLink {
   };
   using Event = std::variant<PoseReport, CommandReport, Evidence, Bye>;
 
-  /// Takes an already decoded frame of this session. A frame that was seen before brings no event
-  /// (its acknowledgement is repeated). Frames without evidence are acknowledged at once. Poses
-  /// older than the newest and reports overtaken by newer ones bring no event either.
+  /// Takes an already decoded frame of this session and reads its patches; evidence of which a
+  /// patch cannot be read brings no event and is never acknowledged. A frame that was seen before
+  /// brings no event (its acknowledgement is repeated). Frames without evidence are acknowledged at
+  /// once. Poses older than the newest and reports overtaken by newer ones bring no event either.
   /// Requires: the frame is of this session.
   std::vector<Event> on_frame(const Frame& frame, std::size_t size_bytes, MonotonicTime now);
   /// Everything in that frame is in the store.
@@ -87,6 +89,7 @@ class ServerLink {
   };
 
   void on_ack(const Ack& ack, MonotonicTime now);
+  [[nodiscard]] bool read_patches(const Frame& frame, std::vector<BlockUpdate>& blocks);
   bool take(const PoseReport& pose, MonotonicTime now);
   bool take(const CommandReport& report, std::uint32_t number);
   void acknowledge_by(MonotonicTime due);
@@ -112,6 +115,8 @@ class ServerLink {
   std::uint64_t newest_pose_ms_ = 0;
   OrderSender orders_;
   MapSender map_;
+  PatchReceiver patches_;
+  std::optional<GroundLost> ground_lost_;  ///< To be said.
   std::deque<Heard> heard_;        ///< Newest report of each revision. [Limit: ≤ kMaxReports]
   std::vector<Refusal> refusals_;  ///< [Limit: ≤ kMaxRefusals]
   LinkCounters counters_;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "core/delta/coarseness.h"
 #include "core/localization/continuous.h"
 #include "core/localization/tracking.h"
 #include "core/map/sensor_model.h"
@@ -12,6 +13,8 @@ namespace cairn::agent {
 struct MapperConfig {
   int cell_size_mm = 125;
   SensorModel sensor_model;
+  /// How finely evidence is written down, and so told: changes below it are no news.
+  Coarseness coarseness;
   DeadReckoningConfig dead_reckoning;
   /// [m] Beams count this far: beyond it the error of the inclinometer exceeds a kerb's height.
   double mapping_range_m = 15.0;

@@ -15,7 +15,11 @@ SubmapWriter::SubmapWriter(const MapperConfig& config, std::uint64_t boot,
       evidence_(evidence),
       integrator_(config.sensor_model),
       rules_(config.sensor_model),
-      reference_(config.cell_size_mm) {}
+      reference_(config.cell_size_mm),
+      surface_(config.cell_size_mm),
+      seen_through_(config.cell_size_mm) {
+  evidence_.set_coarseness(config.coarseness);
+}
 
 void SubmapWriter::begin(const Pose& T_site_robot, const HeightMap& replica) {
   // The origin is a corner of the site's tiles and a whole metre of height: as long as nothing
@@ -28,6 +32,8 @@ void SubmapWriter::begin(const Pose& T_site_robot, const HeightMap& replica) {
                                  static_cast<std::int32_t>(std::lround(T_site_robot.z_m)) * 1000,
                                  0};
   open_ = &evidence_.begin(boot_, T_site_submap, config_.cell_size_mm);
+  surface_ = HeightMap(config_.cell_size_mm);
+  seen_through_ = HeightMap(config_.cell_size_mm);
   last_touch_.reset();
   make_reference(replica);
 }
@@ -81,8 +87,8 @@ void SubmapWriter::take_scan(const Scan& scan, const LaserSpec& laser, const Pos
 
 void SubmapWriter::integrate(const std::vector<Beam>& beams,
                              std::optional<std::int32_t> ground_mm) {
-  const ScanEffect effect = integrator_.integrate(open_->surface, beams, ground_mm, &reference_);
-  evidence_.touch(EvidenceLayer::surface, effect.changed);
+  const ScanEffect effect = integrator_.integrate(surface_, beams, ground_mm, &reference_);
+  tell(EvidenceLayer::surface, effect.changed);
   beams_ += effect.beams;
   note_seen_through(effect.contradictions);
 }
@@ -93,27 +99,40 @@ void SubmapWriter::note_seen_through(const std::vector<Contradiction>& contradic
   for (const Contradiction& contradiction : contradictions) {
     const auto emptiness = static_cast<std::uint8_t>(
         255 - (contradiction.grazing ? model.graze_probability : model.miss_probability));
-    const Cell before = open_->seen_through.cell(contradiction.cell);
+    const Cell before = seen_through_.cell(contradiction.cell);
     Cell after{contradiction.height_mm, emptiness};
     if (before.known()) {
       after.height_mm = std::min(before.height_mm, contradiction.height_mm);
       after.probability = std::min(combine(before.probability, emptiness), model.max_probability);
     }
-    if (after == before || !open_->seen_through.set(contradiction.cell, after)) continue;
+    if (after == before || !seen_through_.set(contradiction.cell, after)) continue;
     seen_through.push_back(contradiction.cell);
   }
-  evidence_.touch(EvidenceLayer::seen_through, seen_through);
+  tell(EvidenceLayer::seen_through, seen_through);
+}
+
+void SubmapWriter::tell(EvidenceLayer layer, const std::vector<CellIndex>& changed) {
+  const HeightMap& exact = layer == EvidenceLayer::surface ? surface_ : seen_through_;
+  HeightMap& told = layer_of(*open_, layer);
+  std::vector<CellIndex> news;
+  for (const CellIndex cell : changed) {
+    const Cell before = told.cell(cell);
+    const Cell now = coarse(exact.cell(cell), before, config_.coarseness);
+    const bool same = now == before || (!now.known() && !before.known());
+    if (!same && told.set(cell, now)) news.push_back(cell);
+  }
+  evidence_.touch(layer, news);
 }
 
 void SubmapWriter::touch_ground(const Pose& T_site_robot) {
   const Pose T_submap = in_submap(T_site_robot);
-  const CellIndex here = open_->surface.cell_at(T_submap.x_m, T_submap.y_m);
+  const CellIndex here = surface_.cell_at(T_submap.x_m, T_submap.y_m);
   if (last_touch_ == here) return;
   last_touch_ = here;
   const Eigen::Isometry3d T_submap_robot = to_transform(T_submap);
   std::vector<CellIndex> changed;
   std::vector<CellIndex> emptied;
-  const double step_m = open_->surface.cell_size_m() * 0.9;
+  const double step_m = surface_.cell_size_m() * 0.9;
   for (double y_m = -config_.wheel_y_m; y_m <= config_.wheel_y_m; y_m += step_m) {
     for (double x_m = -config_.wheel_x_m; x_m <= config_.wheel_x_m; x_m += step_m) {
       const Eigen::Vector3d p = T_submap_robot * Eigen::Vector3d(x_m, y_m, 0.0);
@@ -121,33 +140,33 @@ void SubmapWriter::touch_ground(const Pose& T_site_robot) {
       hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
-  evidence_.touch(EvidenceLayer::surface, changed);
-  evidence_.touch(EvidenceLayer::seen_through, emptied);
+  tell(EvidenceLayer::surface, changed);
+  tell(EvidenceLayer::seen_through, emptied);
 }
 
 void SubmapWriter::hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed) {
-  const CellIndex index = open_->surface.cell_at(x_m, y_m);
-  const Cell before = open_->surface.cell(index);
+  const CellIndex index = surface_.cell_at(x_m, y_m);
+  const Cell before = surface_.cell(index);
   const Cell after = rules_.after_hit(before, to_mm(z_m));
-  if (after != before && open_->surface.set(index, after)) changed.push_back(index);
+  if (after != before && surface_.set(index, after)) changed.push_back(index);
 }
 
 void SubmapWriter::stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied) {
-  const CellIndex cell = open_->surface.cell_at(p_submap_m.x(), p_submap_m.y());
+  const CellIndex cell = surface_.cell_at(p_submap_m.x(), p_submap_m.y());
   const std::int32_t ground_mm = to_mm(p_submap_m.z());
-  if (rules_.passed_below(open_->surface.cell(cell), ground_mm)) {
-    open_->surface.set(cell, {});  // Whatever was seen there, the robot stands there now.
+  if (rules_.passed_below(surface_.cell(cell), ground_mm)) {
+    surface_.set(cell, {});  // Whatever was seen there, the robot stands there now.
   }
   const Cell certain{ground_mm, kCertainlyEmpty};
   if (!rules_.passed_below(reference_.cell(cell), ground_mm)) return;
-  if (open_->seen_through.cell(cell).probability == kCertainlyEmpty) return;
-  if (open_->seen_through.set(cell, certain)) emptied.push_back(cell);
+  if (seen_through_.cell(cell).probability == kCertainlyEmpty) return;
+  if (seen_through_.set(cell, certain)) emptied.push_back(cell);
 }
 
 void SubmapWriter::lay_apron(const Scan& scan, const LaserSpec& laser, const Pose& T_submap) {
   apron_laid_ = true;
   const Eigen::Isometry3d T_submap_robot = to_transform(T_submap);
-  const double step_m = open_->surface.cell_size_m() * 0.5;
+  const double step_m = surface_.cell_size_m() * 0.5;
   std::vector<CellIndex> changed;
   for (std::size_t i = 0; i < scan.range_m.size(); ++i) {
     const double bearing_rad = laser.first_angle_rad + static_cast<double>(i) * laser.step_rad;
@@ -156,11 +175,11 @@ void SubmapWriter::lay_apron(const Scan& scan, const LaserSpec& laser, const Pos
       const Eigen::Vector3d p =
           T_submap_robot * Eigen::Vector3d(laser.T_robot_sensor.x_m + r_m * std::cos(bearing_rad),
                                            r_m * std::sin(bearing_rad), 0.0);
-      const CellIndex index = open_->surface.cell_at(p.x(), p.y());
-      if (!open_->surface.cell(index).known()) hit_ground(p.x(), p.y(), p.z(), changed);
+      const CellIndex index = surface_.cell_at(p.x(), p.y());
+      if (!surface_.cell(index).known()) hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
-  evidence_.touch(EvidenceLayer::surface, changed);
+  tell(EvidenceLayer::surface, changed);
 }
 
 }  // namespace cairn::agent

@@ -12,7 +12,9 @@
 namespace cairn::agent {
 
 /// Writes what the robot sees and stands on into the open evidence submap. The EvidenceSender owns
-/// the submaps; the caller says when one begins and ends and where the robot is.
+/// the submaps; the caller says when one begins and ends and where the robot is. Maps are made of
+/// exact values, which stay here; the submap holds them as coarsely as they are told, so that robot
+/// and server have the same bits, and a robot that stands still has nothing to tell.
 class SubmapWriter {
  public:
   SubmapWriter(const MapperConfig& config, std::uint64_t boot, proto::EvidenceSender& evidence);
@@ -40,6 +42,7 @@ class SubmapWriter {
   void lay_apron(const Scan& scan, const LaserSpec& laser, const Pose& T_submap_robot);
   void stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied);
   void hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed);
+  void tell(EvidenceLayer layer, const std::vector<CellIndex>& changed);
   [[nodiscard]] Pose in_submap(const Pose& T_site_robot) const;
 
   MapperConfig config_;
@@ -47,7 +50,9 @@ class SubmapWriter {
   proto::EvidenceSender& evidence_;
   ScanIntegrator integrator_;
   CellRules rules_;
-  HeightMap reference_;  ///< The replica around the open submap, in that submap's frame.
+  HeightMap reference_;     ///< The replica around the open submap, in that submap's frame.
+  HeightMap surface_;       ///< Exact values of the open submap …
+  HeightMap seen_through_;  ///< … and of its other layer.
   Submap* open_ = nullptr;
   std::optional<CellIndex> last_touch_;
   bool apron_laid_ = false;

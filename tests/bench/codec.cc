@@ -87,7 +87,7 @@ class Link {
       delta = std::move(rest);
     }
     for (const BlockUpdate& update : told) {
-      image_.merge(1, update.key, update.base, update.version, update.delta, tick_);
+      image_.merge(1, told_block(update.key, update.version, update.delta), tick_);
       cost_.cells += static_cast<double>(update.delta.changed.count());
     }
     cost_.write_ms += write_ms;

@@ -110,12 +110,11 @@ class Teller {
   void tell() {
     Delta delta;
     for (const auto& [key, block] : versions_.blocks()) {
-      std::pair<std::uint32_t, std::uint32_t>& last = told_[key];
-      if (block.version == last.first) continue;
-      proto::BlockUpdate update{1, key, last.second, last.second + 1, {}};
-      update.delta = versions_.changes_since(key, last.first, submap_);
-      last = {block.version, last.second + 1};
-      delta.push_back(update);
+      std::uint32_t& last = told_[key];
+      if (block.version == last) continue;
+      delta.push_back({1, key, last, block.version, versions_.changes_since(key, last, submap_)});
+      last = block.version;
+      versions_.told(key);
     }
     if (delta.empty()) return;
     std::ranges::sort(delta, {}, &proto::BlockUpdate::key);
@@ -130,8 +129,7 @@ class Teller {
   ScanIntegrator integrator_;
   Submap submap_;
   SubmapVersions versions_;
-  /// By block: the version that was told, and the count of tellings.
-  std::unordered_map<BlockKey, std::pair<std::uint32_t, std::uint32_t>, BlockKeyHash> told_;
+  std::unordered_map<BlockKey, std::uint32_t, BlockKeyHash> told_;  ///< Version told, by block.
 };
 
 }  // namespace

@@ -72,7 +72,7 @@ Cost run(const Drive& drive, const Coarseness& coarseness, MixerState& state,
     cost.bytes += static_cast<double>(bytes.size());
     for (const auto& update : delta) {
       cost.cells += static_cast<double>(update.delta.changed.count());
-      image.merge(update.sequence, update.key, update.base, update.version, update.delta, tick);
+      image.merge(update.sequence, told_block(update.key, update.version, update.delta), tick);
     }
   }
   return cost;

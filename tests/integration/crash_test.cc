@@ -12,6 +12,7 @@
 #include "proto/codec/frame.h"
 #include "proto/dds/endpoint.h"
 #include "proto/dds/robot_carrier.h"
+#include "proto/sync/patch_receiver.h"
 #include "proto/sync/robot_link.h"
 #include "robot_agent/input/simulator.h"
 #include "robot_agent/pipeline/mapper.h"
@@ -33,8 +34,9 @@ class WitnessCarrier final : public proto::Carrier {
     if (frame && frame->header.session != session_) {
       session_ = frame->header.session;
       sent_.clear();
+      patches_ = {};
     }
-    if (frame) sent_[frame->header.number] = frame->records;
+    if (frame) sent_[frame->header.number] = read(*frame);
     return inner_->send(datagram);
   }
   Result<std::optional<proto::Datagram>> receive(std::chrono::milliseconds timeout) override {
@@ -65,18 +67,28 @@ class WitnessCarrier final : public proto::Carrier {
       });
     }
   }
-  void note(const std::vector<proto::Record>& records) {
-    for (const proto::Record& record : records) {
-      if (const auto* block = std::get_if<proto::BlockUpdate>(&record)) {
-        std::uint32_t& version = acknowledged_[{block->sequence, block->key}];
-        version = std::max(version, block->version);
-      }
+  void note(const std::vector<proto::BlockUpdate>& blocks) {
+    for (const proto::BlockUpdate& block : blocks) {
+      std::uint32_t& version = acknowledged_[{block.sequence, block.key}];
+      version = std::max(version, block.version);
     }
+  }
+  std::vector<proto::BlockUpdate> read(const proto::Frame& frame) {
+    std::vector<proto::BlockUpdate> blocks;
+    for (const proto::Record& record : frame.records) {
+      const auto* patch = std::get_if<proto::EvidencePatch>(&record);
+      if (patch == nullptr) continue;
+      const auto read = patches_.read(frame.header.number, *patch);
+      EXPECT_EQ(read.outcome, proto::PatchReceiver::Outcome::read);
+      blocks.insert(blocks.end(), read.blocks.begin(), read.blocks.end());
+    }
+    return blocks;
   }
 
   std::unique_ptr<proto::Carrier> inner_;
   std::uint32_t session_ = 0;
-  std::map<std::uint32_t, std::vector<proto::Record>> sent_;
+  std::map<std::uint32_t, std::vector<proto::BlockUpdate>> sent_;
+  proto::PatchReceiver patches_;
   std::map<Place, std::uint32_t> acknowledged_;
 };
 

@@ -70,6 +70,7 @@ class Sender {
       submap.surface.set(cell, random_cell(random, 7000));
       cells.push_back(cell);
     }
+    versions.told(key);
     versions.touch(EvidenceLayer::surface, cells);
     remember();
   }

@@ -19,6 +19,7 @@ namespace cairn::proto::testing {
 /// nothing more to say. Acknowledges nothing.
 inline std::vector<ServerLink::Evidence> frames_of(EvidenceSender& sender, std::uint32_t& number) {
   std::vector<ServerLink::Evidence> frames;
+  PatchReceiver patches;
   while (sender.has_news()) {
     FrameWriter writer({.direction = Direction::up, .session = 1, .number = ++number});
     if (sender.fill(writer, number) == 0) break;
@@ -32,8 +33,10 @@ inline std::vector<ServerLink::Evidence> frames_of(EvidenceSender& sender, std::
     for (const Record& record : frame->records) {
       if (const auto* head = std::get_if<SubmapHead>(&record)) {
         evidence.heads.push_back(*head);
-      } else if (const auto* block = std::get_if<BlockUpdate>(&record)) {
-        evidence.blocks.push_back(*block);
+      } else if (const auto* patch = std::get_if<EvidencePatch>(&record)) {
+        const auto read = patches.read(number, *patch);
+        EXPECT_EQ(read.outcome, PatchReceiver::Outcome::read);
+        evidence.blocks.insert(evidence.blocks.end(), read.blocks.begin(), read.blocks.end());
       }
     }
   }

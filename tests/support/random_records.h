@@ -13,7 +13,7 @@ class RandomRecords {
   explicit RandomRecords(std::uint64_t seed) : random_(seed) {}
 
   Record any() {
-    switch (between<int>(0, 15)) {
+    switch (between<int>(0, 16)) {
       case 0:
         return Hello{name(), name(), whole<std::uint64_t>(), between<std::uint16_t>(10, 2000),
                      whole<std::uint64_t>()};
@@ -22,7 +22,8 @@ class RandomRecords {
       case 2:
         return head();
       case 3:
-        return block();
+        return EvidencePatch{whole<std::uint32_t>(), whole<std::uint8_t>(), ground(),
+                             some_bytes(1100)};
       case 4:
         return CommandReport{id(), whole<std::uint32_t>(), pick<CommandState>(1, 7), text()};
       case 5:
@@ -40,11 +41,13 @@ class RandomRecords {
       case 11:
         return part();
       case 12:
-        return map_block();
+        return MapPatch{between<std::uint32_t>(1, ~0U), whole<std::uint32_t>(), some_bytes(1100)};
       case 13:
         return SubmapMove{between<std::uint32_t>(1, ~0U), between<std::uint32_t>(1, ~0U), place()};
       case 14:
         return MapCommit{between<std::uint32_t>(1, ~0U), whole<std::uint32_t>()};
+      case 15:
+        return GroundLost{whole<std::uint8_t>()};
       default:
         return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
     }
@@ -56,12 +59,6 @@ class RandomRecords {
         whole<std::uint32_t>(), key(), base, between<std::uint32_t>(base + 1, ~0U), {}};
     fill(update.delta);
     return update;
-  }
-  MapBlock map_block() {
-    MapBlock block{
-        between<std::uint32_t>(1, ~0U), tile(), part_of_tile(), whole<std::uint32_t>(), {}};
-    fill(block.content);
-    return block;
   }
 
   template <class T>
@@ -86,6 +83,18 @@ class RandomRecords {
   TileKey tile() {
     const auto coordinate = [this] { return between(-kMaxTileCoordinate, kMaxTileCoordinate); };
     return {whole<std::int8_t>(), coordinate(), coordinate()};
+  }
+  std::vector<std::uint8_t> some_bytes(std::size_t most) {
+    std::vector<std::uint8_t> bytes(between<std::size_t>(1, most));
+    for (auto& byte : bytes) byte = whole<std::uint8_t>();
+    return bytes;
+  }
+  CommonGround ground() {
+    CommonGround ground{whole<std::uint8_t>(), whole<std::uint8_t>(), {}};
+    for (int i = between(0, static_cast<int>(kMaxGroundFrames)); i > 0; --i) {
+      ground.back.push_back(between<std::uint8_t>(1, 255));
+    }
+    return ground;
   }
   std::uint8_t part_of_tile() { return between<std::uint8_t>(0, 15); }
   BlockKey key() { return {pick<EvidenceLayer>(0, 1), tile(), part_of_tile()}; }

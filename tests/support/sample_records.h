@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "proto/codec/frame.h"
+#include "proto/codec/patch.h"
 
 /// One fixed record of each kind, and equality that knows which cells of a block mean anything.
 namespace cairn::proto::testing {
@@ -21,6 +22,12 @@ inline BlockUpdate sample_block() {
   return update;
 }
 
+/// `sample_block` on an empty image.
+inline std::vector<std::uint8_t> sample_patch() {
+  const BlockUpdate block = sample_block();
+  return write_patch({&block, 1}, {7, 201}, {}, {}, kMaxPatchBytes).bytes;
+}
+
 inline PoseReport sample_pose() {
   return {.clock_ms = 123'456,
           .T_site_robot = {12'345, -2'000, 150, -15'708},
@@ -33,15 +40,6 @@ inline PoseReport sample_pose() {
           .command = 9,
           .to_go_mm = 17'500,
           .backlog_blocks = 33};
-}
-
-inline MapBlock sample_map_block() {
-  MapBlock block{.step = 3, .tile = {0, 4, -1}, .block = 6, .holds_sequence = 7, .content = {}};
-  block.content.datum_mm = 2000;
-  block.content.changed.set(3).set(4);
-  block.content.cells[3] = {1990, 250};
-  block.content.cells[4] = {2310, 90};
-  return block;
 }
 
 inline Command sample_command() {
@@ -74,7 +72,7 @@ inline std::vector<Sample> sample_records() {
       {"hello", up, Hello{"rover-1", "quarry", 0x1122334455667788, 125, 1'000}},
       {"pose_report", up, sample_pose()},
       {"submap_head", up, head},
-      {"block_update", up, sample_block()},
+      {"evidence_patch", up, EvidencePatch{7, 201, {1, 250, {9, 3, 2}}, sample_patch()}},
       {"command_report", up, CommandReport{9, 2, CommandState::stopped, "tilt 31°"}},
       {"bye", up, Bye{}},
       {"welcome", down, Welcome{0xA1B2C3D4, 0x1122334455667788, 0x0102030405060708}},
@@ -83,9 +81,10 @@ inline std::vector<Sample> sample_records() {
       {"refusal", down, Refusal{7, {EvidenceLayer::surface, {0, 1, -1}, 4}, 2}},
       {"command", down, sample_command()},
       {"path_part", down, PathPart{9, 2, 0, {{10'000, 0}, {30'000, -8'000}}}},
-      {"map_block", down, sample_map_block()},
+      {"map_patch", down, MapPatch{3, 7, sample_patch()}},
       {"submap_move", down, SubmapMove{3, 7, {1'040, -980, 25, 15'720}}},
       {"map_commit", down, MapCommit{3, 2}},
+      {"ground_lost", down, GroundLost{1}},
       {"ack_up", up, Ack{300, 0x5}},
       {"ack_down", down, Ack{41, 0x8000000000000000}},
   };
@@ -106,10 +105,6 @@ inline bool same_delta(const BlockDelta& a, const BlockDelta& b) {
   return true;
 }
 
-inline bool same(const MapBlock& a, const MapBlock& b) {
-  return a.step == b.step && a.tile == b.tile && a.block == b.block &&
-         a.holds_sequence == b.holds_sequence && same_delta(a.content, b.content);
-}
 inline bool same(const BlockUpdate& a, const BlockUpdate& b) {
   return a.sequence == b.sequence && a.key == b.key && a.base == b.base && a.version == b.version &&
          same_delta(a.delta, b.delta);

@@ -109,11 +109,21 @@ TEST(SubmapVersions, RaiseABlockOnceForAllCellsTouchedTogether) {
   EXPECT_EQ(versions.version(kFirstBlock), 0U);
   versions.touch(EvidenceLayer::surface, {{0, 0}, {1, 0}, {0, 0}, {20, 0}});
   EXPECT_EQ(versions.version(kFirstBlock), 1U);
+  versions.told(kFirstBlock);
   versions.touch(EvidenceLayer::surface, {{15, 15}});
   EXPECT_EQ(versions.version(kFirstBlock), 2U);
   EXPECT_EQ(versions.version({EvidenceLayer::surface, {0, 0, 0}, 1}), 1U);
   EXPECT_EQ(versions.version({EvidenceLayer::seen_through, {0, 0, 0}, 0}), 0U);
   EXPECT_EQ(versions.blocks().size(), 2U);
+}
+
+TEST(SubmapVersions, StayUntilTold) {
+  SubmapVersions versions;
+  for (int i = 0; i < 5; ++i) versions.touch(EvidenceLayer::surface, {{i, 0}});
+  EXPECT_EQ(versions.version(kFirstBlock), 1U);
+  versions.told(kFirstBlock);
+  versions.told(kFirstBlock);
+  EXPECT_EQ(versions.version(kFirstBlock), 1U);
 }
 
 TEST(SubmapVersions, TellTilesAndLevelsApart) {
@@ -128,6 +138,7 @@ TEST(SubmapVersions, SendOnlyWhatCameAfterTheBase) {
   SubmapVersions versions;
   submap.surface.set({0, 0}, {2000, 100});
   versions.touch(EvidenceLayer::surface, {{0, 0}});
+  versions.told(kFirstBlock);
   submap.surface.set({1, 0}, {2010, 100});
   versions.touch(EvidenceLayer::surface, {{1, 0}});
   const BlockDelta delta = versions.changes_since(kFirstBlock, 1, submap);

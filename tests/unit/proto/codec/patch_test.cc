@@ -73,7 +73,7 @@ void expect_same(const std::vector<BlockUpdate>& sent, const std::vector<std::si
 
 void merge(ContextImage& image, const std::vector<BlockUpdate>& blocks, std::uint8_t tick) {
   for (const BlockUpdate& update : blocks) {
-    image.merge(update.sequence, update.key, update.base, update.version, update.delta, tick);
+    image.merge(update.sequence, told_block(update.key, update.version, update.delta), tick);
   }
 }
 

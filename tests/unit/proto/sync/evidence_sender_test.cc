@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+
+#include "proto/sync/patch_receiver.h"
 
 namespace cairn::proto {
 namespace {
@@ -14,19 +17,30 @@ class EvidenceSenderTest : public ::testing::Test {
     sender.touch(EvidenceLayer::surface, {cell});
   }
   std::vector<Record> fill(std::uint32_t number) {
+    last_number = number;
     FrameWriter writer({Direction::up, 1, number});
     const int added = sender.fill(writer, number);
     auto frame = decode_frame(std::move(writer).finish(), Direction::up);
     EXPECT_EQ(frame->records.size(), static_cast<std::size_t>(added));
     return std::move(frame->records);
   }
-  /// The first (and only) block of a frame.
-  static BlockUpdate block(const std::vector<Record>& records) {
+  /// What the patches of a frame tell.
+  std::vector<BlockUpdate> blocks(const std::vector<Record>& records) {
+    std::vector<BlockUpdate> all;
     for (const auto& record : records) {
-      if (const auto* update = std::get_if<BlockUpdate>(&record)) return *update;
+      const auto* patch = std::get_if<EvidencePatch>(&record);
+      if (patch == nullptr) continue;
+      const auto read = patches.read(last_number, *patch);
+      EXPECT_EQ(read.outcome, PatchReceiver::Outcome::read);
+      all.insert(all.end(), read.blocks.begin(), read.blocks.end());
     }
-    ADD_FAILURE() << "no block";
-    return {};
+    return all;
+  }
+  /// The first (and only) block of a frame.
+  BlockUpdate block(const std::vector<Record>& records) {
+    const auto all = blocks(records);
+    EXPECT_EQ(all.size(), 1U);
+    return all.empty() ? BlockUpdate{} : all[0];
   }
   static int heads(const std::vector<Record>& records) {
     return static_cast<int>(std::ranges::count_if(
@@ -34,6 +48,8 @@ class EvidenceSenderTest : public ::testing::Test {
   }
 
   EvidenceSender sender;
+  PatchReceiver patches;
+  std::uint32_t last_number = 0;
 };
 
 TEST_F(EvidenceSenderTest, ANewSubmapIsItsHeadThenItsBlocks) {
@@ -42,10 +58,12 @@ TEST_F(EvidenceSenderTest, ANewSubmapIsItsHeadThenItsBlocks) {
   see({0, 0});
   see({20, 0});
   const auto records = fill(1);
-  ASSERT_EQ(records.size(), 3U);
+  ASSERT_EQ(records.size(), 2U);
   EXPECT_EQ(std::get<SubmapHead>(records[0]), (SubmapHead{1, 1, {1, 2, 3, 4}, false, 0, 0}));
-  EXPECT_EQ(std::get<BlockUpdate>(records[1]).key.block, 0);
-  EXPECT_EQ(std::get<BlockUpdate>(records[2]).key.block, 1);
+  const auto told = blocks(records);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0].key.block, 0);
+  EXPECT_EQ(told[1].key.block, 1);
   EXPECT_FALSE(sender.has_news());
   EXPECT_EQ(sender.backlog_blocks(), 2U);
   EXPECT_FALSE(sender.synchronised());
@@ -59,7 +77,7 @@ TEST_F(EvidenceSenderTest, IntermediateStatesAreSkipped) {
   for (int height = 1; height <= 50; ++height) see({3, 3}, height);
   const auto update = block(fill(1));
   EXPECT_EQ(update.base, 0U);
-  EXPECT_EQ(update.version, 50U);
+  EXPECT_EQ(update.version, 1U);
   EXPECT_EQ(update.delta.changed.count(), 1U);
   EXPECT_EQ(update.delta.cells.at(3 * 16 + 3).height_mm, 50);
 }
@@ -87,6 +105,7 @@ TEST_F(EvidenceSenderTest, ABlockUnderWayWaitsForItsFate) {
   const auto update = block(fill(2));
   EXPECT_EQ(update.base, 0U);
   EXPECT_EQ(update.version, 2U) << "what is sent again is the newest";
+  EXPECT_EQ(update.delta.changed.count(), 2U);
 }
 
 TEST_F(EvidenceSenderTest, ALateAcknowledgementOfALostFrameCounts) {
@@ -118,11 +137,9 @@ TEST_F(EvidenceSenderTest, TheOldestSubmapGoesFirst) {
   see({0, 0});
   std::uint32_t last = 1;
   for (std::uint32_t number = 1; sender.has_news(); ++number) {
-    for (const auto& record : fill(number)) {
-      const auto* update = std::get_if<BlockUpdate>(&record);
-      if (update == nullptr) continue;
-      EXPECT_GE(update->sequence, last);
-      last = update->sequence;
+    for (const BlockUpdate& update : blocks(fill(number))) {
+      EXPECT_GE(update.sequence, last);
+      last = update.sequence;
     }
   }
   EXPECT_EQ(last, 2U);
@@ -134,10 +151,15 @@ TEST_F(EvidenceSenderTest, TheLeastRecentlySentBlockGoesFirst) {
   (void)fill(1);
   sender.on_acked(1);
   see({0, 0}, 5);
-  see({20, 0});
-  const auto records = fill(2);
-  ASSERT_EQ(records.size(), 2U);
-  EXPECT_EQ(std::get<BlockUpdate>(records[0]).key.block, 1);
+  for (int i = 0; i < 8; ++i) see({16 + i, i}, i * i * 7919 % 30'000);
+  for (int i = 0; i < 8; ++i) see({i, i}, i * i * 5077 % 30'000);
+  FrameWriter frame({Direction::up, 1, 2});  // With room for one of them.
+  while (frame.room_bytes() > 210) ASSERT_TRUE(frame.add(PoseReport{}));
+  const std::string rest(frame.room_bytes() - 17 - 58, 'a');
+  ASSERT_TRUE(frame.add(CommandReport{1, 0, CommandState::blocked, rest}));
+  ASSERT_EQ(sender.fill(frame, 2), 1);
+  last_number = 2;
+  EXPECT_EQ(block(decode_frame(std::move(frame).finish(), Direction::up)->records).key.block, 1);
 }
 
 TEST_F(EvidenceSenderTest, AClosedSubmapTellsItsSumsAndIsForgottenWhenHeld) {
@@ -149,7 +171,7 @@ TEST_F(EvidenceSenderTest, AClosedSubmapTellsItsSumsAndIsForgottenWhenHeld) {
   sender.close();
   EXPECT_EQ(sender.open_submap(), nullptr);
   const auto records = fill(1);
-  EXPECT_EQ(std::get<SubmapHead>(records.at(0)), (SubmapHead{1, 2, {}, true, 2, 3}));
+  EXPECT_EQ(std::get<SubmapHead>(records.at(0)), (SubmapHead{1, 2, {}, true, 2, 2}));
   EXPECT_EQ(sender.submaps(), 1U);
   sender.on_acked(1);
   EXPECT_EQ(sender.submaps(), 0U);
@@ -187,9 +209,11 @@ TEST_F(EvidenceSenderTest, ANewSessionSendsAgainWhatWasUnderWayAndAnotherStoreEv
   see({40, 0});
   (void)fill(2);
   sender.on_session(false);
+  patches = {};
   EXPECT_EQ(fill(1).size(), 1U);
   sender.on_session(true);
-  EXPECT_EQ(fill(1).size(), 3U);
+  patches = {};
+  EXPECT_EQ(blocks(fill(1)).size(), 2U);
 }
 
 TEST_F(EvidenceSenderTest, AtItsBoundTheOldestClosedSubmapIsDroppedAndCounted) {

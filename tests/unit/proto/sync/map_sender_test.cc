@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "proto/codec/patch.h"
 #include "proto/sync/map_inbox.h"
 #include "tests/support/sync_world.h"
 
@@ -56,7 +57,9 @@ int send_all(MapSender& sender, MapInbox& inbox, std::vector<MapUpdate>& updates
     ++frames;
     if (!arrives) continue;
     for (const Record& record : frame->records) {
-      if (const auto* block = std::get_if<MapBlock>(&record)) inbox.on_block(*block);
+      if (const auto* patch = std::get_if<MapPatch>(&record)) {
+        EXPECT_TRUE(inbox.on_patch(*patch));
+      }
       if (const auto* move = std::get_if<SubmapMove>(&record)) inbox.on_move(*move);
       if (const auto* commit = std::get_if<MapCommit>(&record)) {
         if (auto update = inbox.on_commit(*commit)) updates.push_back(*std::move(update));
@@ -118,14 +121,28 @@ TEST(MapSender, ATileThatHoldsNothingAnyMoreArrivesEmpty) {
   EXPECT_EQ(updates[0].tiles[0].tile.known_count(), 0);
 }
 
+/// One cell of a tile, of step 1.
+MapPatch patch_of_tile(const TileKey& tile) {
+  BlockUpdate block{0, {EvidenceLayer::surface, tile, 0}, 0, 1, {}};
+  block.delta.changed.set(0);
+  block.delta.cells[0] = {100, 9};
+  return {1, 0, write_patch({&block, 1}, {}, kExact, {}, kMaxPatchBytes).bytes};
+}
+
+TEST(MapInbox, APatchThatCannotBeReadChangesNothing) {
+  MapInbox inbox;
+  EXPECT_FALSE(inbox.on_patch({1, 0, {1, 2, 3, 4, 5, 6, 7, 8, 9}}));
+  const auto step = inbox.on_commit({1, 0});
+  ASSERT_TRUE(step);
+  EXPECT_TRUE(step->tiles.empty());
+}
+
 TEST(MapInbox, ALateCopyOfAnOlderStepChangesNothing) {
   MapInbox inbox;
-  MapBlock old{1, {0, 0, 0}, 0, 0, {}};
-  old.content.changed.set(0);
-  old.content.cells[0] = {100, 9};
-  inbox.on_block(old);
+  const MapPatch old = patch_of_tile({0, 0, 0});
+  EXPECT_TRUE(inbox.on_patch(old));
   ASSERT_TRUE(inbox.on_commit({1, 0}));
-  inbox.on_block(old);
+  EXPECT_TRUE(inbox.on_patch(old));
   inbox.on_move({1, 3, {1, 2, 3, 4}});
   EXPECT_FALSE(inbox.on_commit({1, 0}));
   const auto next = inbox.on_commit({2, 0});
@@ -136,12 +153,8 @@ TEST(MapInbox, ALateCopyOfAnOlderStepChangesNothing) {
 
 TEST(MapInbox, WhatAServerSendsWithoutEverCommittingIsBounded) {
   MapInbox inbox;
-  MapBlock block{1, {0, 0, 0}, 0, 0, {}};
-  block.content.changed.set(0);
-  block.content.cells[0] = {100, 9};
   for (int i = 0; i < 1000; ++i) {
-    block.tile.tx = i;
-    inbox.on_block(block);
+    EXPECT_TRUE(inbox.on_patch(patch_of_tile({0, i, 0})));
     for (std::uint32_t k = 0; k < 10; ++k) {
       inbox.on_move({1, 1 + k + 10 * static_cast<std::uint32_t>(i), {}});
     }

@@ -110,7 +110,7 @@ TEST_F(RobotLinkTest, ReportsComeBeforePoseBeforeEvidence) {
 
 TEST_F(RobotLinkTest, AReportGoesOutThoughTheEvidenceWindowIsFull) {
   welcome();
-  for (int i = 0; i < 3000; ++i) see();
+  for (int i = 0; i < 60'000; ++i) see();
   while (next()) {
   }
   ASSERT_TRUE(link.evidence().has_news());
@@ -123,10 +123,10 @@ TEST_F(RobotLinkTest, AReportGoesOutThoughTheEvidenceWindowIsFull) {
 TEST_F(RobotLinkTest, LostEvidenceIsSentAgainAndCounted) {
   welcome();
   see();
-  ASSERT_NE(find<BlockUpdate>(next()), nullptr);
+  ASSERT_NE(find<EvidencePatch>(next()), nullptr);
   EXPECT_FALSE(next());
   now = link.next_due(now);
-  ASSERT_NE(find<BlockUpdate>(next()), nullptr);
+  ASSERT_NE(find<EvidencePatch>(next()), nullptr);
   EXPECT_EQ(link.counters().frames_lost, 1U);
   link.on_frame(down(5, 2, {Ack{2, 0}}), now);
   EXPECT_TRUE(link.evidence().synchronised());
@@ -169,7 +169,7 @@ TEST_F(RobotLinkTest, AnOlderCommandIsAnsweredWithSupersededUnlessItsFateWasTold
 TEST_F(RobotLinkTest, AResetMakesItSayHelloAndSendWhatWasUnderWay) {
   welcome(5);
   see();
-  ASSERT_NE(find<BlockUpdate>(next()), nullptr);
+  ASSERT_NE(find<EvidencePatch>(next()), nullptr);
   link.on_frame(down(4, 9, {Reset{}}), now);
   EXPECT_TRUE(link.connected()) << "that was another session";
   link.on_frame(down(5, 9, {Reset{}}), now);
@@ -177,7 +177,7 @@ TEST_F(RobotLinkTest, AResetMakesItSayHelloAndSendWhatWasUnderWay) {
   welcome(6);
   const auto frame = next();
   EXPECT_EQ(frame->header.number, 1U);
-  EXPECT_NE(find<BlockUpdate>(frame), nullptr);
+  EXPECT_NE(find<EvidencePatch>(frame), nullptr);
 }
 
 TEST_F(RobotLinkTest, ALateWelcomeDoesNotReviveASessionThatWasLeft) {
@@ -199,7 +199,7 @@ TEST_F(RobotLinkTest, SilenceWhileSomethingIsUnansweredLeadsToAHelloThatResumesT
   EXPECT_NE(find<Hello>(next()), nullptr);
   link.on_frame(down(5, 2, {Welcome{5, kBoot, 1}}), now);
   const auto frame = next();
-  ASSERT_NE(find<BlockUpdate>(frame), nullptr);
+  ASSERT_NE(find<EvidencePatch>(frame), nullptr);
   EXPECT_EQ(frame->header.number, last_number + 1) << "numbers of a session are used once";
 }
 
