@@ -18,7 +18,8 @@ PlannerConfig point_robot() {
   return config;
 }
 
-std::vector<Frontier> frontiers_of(const AsciiGrid& drawn, const FrontierConfig& config = {1, 4.0, 2.0}) {
+std::vector<Frontier> frontiers_of(const AsciiGrid& drawn,
+                                   const FrontierConfig& config = {1, 4.0, 2.0}) {
   const DrivableGrid grid = make_drivable(drawn.grid, point_robot());
   return find_frontiers(grid, *compute_field(grid, drawn.cell('S')), config);
 }
@@ -26,7 +27,9 @@ std::vector<Frontier> frontiers_of(const AsciiGrid& drawn, const FrontierConfig&
 TEST(FrontierFlags, AreOpenCellsWithAnUnknownNeighbour) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     std::mt19937 random(seed);
-    HeightGrid heights = empty_grid({0, 0}, {static_cast<int>(random() % 200), static_cast<int>(random() % 50)}, 125).value();
+    HeightGrid heights =
+        empty_grid({0, 0}, {static_cast<int>(random() % 200), static_cast<int>(random() % 50)}, 125)
+            .value();
     for (std::size_t i = 0; i < heights.height_mm.size(); ++i) {
       heights.probability[i] = random() % 6 == 0 ? 0 : 200;
       heights.height_mm[i] = random() % 5 == 0 ? 1000 : 0;
@@ -46,8 +49,10 @@ TEST(FrontierFlags, AreOpenCellsWithAnUnknownNeighbour) {
                                   grid.classes[grid.heights.at(other)] == CellClass::unknown);
         }
         expected = expected && grid.open[at] && grid.classes[at] != CellClass::unknown;
-        const std::uint64_t word = flags[static_cast<std::size_t>(y) * words + static_cast<std::size_t>(x / 64)];
-        ASSERT_EQ((word >> (x % 64) & 1) != 0, expected) << "seed " << seed << " at " << x << ' ' << y;
+        const std::uint64_t word =
+            flags[static_cast<std::size_t>(y) * words + static_cast<std::size_t>(x / 64)];
+        ASSERT_EQ((word >> (x % 64) & 1) != 0, expected)
+            << "seed " << seed << " at " << x << ' ' << y;
       }
     }
   }
@@ -57,6 +62,7 @@ TEST(FindFrontiers, JoinsWhatTouchesAndTellsApartWhatDoesNot) {
   const auto frontiers = frontiers_of(draw({"???....???",  //
                                             "?........?",  //
                                             "....S.....",  //
+                                            "..........",  //
                                             "..........",  //
                                             "?........."}));
   ASSERT_EQ(frontiers.size(), 3U);
