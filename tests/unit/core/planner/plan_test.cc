@@ -192,5 +192,31 @@ TEST(Plan, DrivesAOneWayStepDownAndNotUp) {
   EXPECT_EQ(plan(grid, {middle({6, 0}), middle({0, 0})}, config).status, PathStatus::none);
 }
 
+TEST(Plan, TellsWhichFrontierWouldOpenAWay) {
+  PlannerConfig config = with_radius(0.0);
+  config.unknown = UnknownGround::explore;
+  const std::vector<std::string> gap = {"...#...",  //
+                                        ".S.?.G.",  //
+                                        "...#..."};
+  const Path none = planned(gap, config);
+  EXPECT_EQ(none.status, PathStatus::none);
+  EXPECT_THAT(none.why, HasSubstr("exploring from (0.31, 0.19) m on might open a way"));
+  ASSERT_TRUE(none.frontier_m);
+  EXPECT_EQ(*none.frontier_m, middle({2, 1}));
+  const Path there = planned(gap, config, true);
+  EXPECT_EQ(there.status, PathStatus::partial);
+  EXPECT_EQ(there.points_m.back(), middle({2, 1}));
+  EXPECT_EQ(there.frontier_m, middle({2, 1}));
+}
+
+TEST(Plan, TellsNoFrontierWhereAWayIsKnownOrNoneCanBe) {
+  PlannerConfig config = with_radius(0.0);
+  config.unknown = UnknownGround::explore;
+  EXPECT_EQ(planned({".S.?.G.", "......."}, config).status, PathStatus::complete);
+  EXPECT_FALSE(planned({".S.?.G.", "......."}, config).frontier_m);
+  EXPECT_FALSE(planned({".S.#.G."}, config).frontier_m);
+  EXPECT_EQ(planned({".S.#.G."}, config).status, PathStatus::none);
+}
+
 }  // namespace
 }  // namespace cairn
