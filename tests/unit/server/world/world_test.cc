@@ -143,9 +143,12 @@ TEST_F(WorldTest, EndsTheSameInWhateverOrderFramesArrive) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     found_anew();
     Surveyor robot;
-    robot.survey({0, 0}, 0);
-    std::vector<Evidence> frames = robot.frames();
-    ASSERT_GT(frames.size(), 2U);
+    std::vector<Evidence> frames;
+    for (int i = 0; i < 5; ++i) {
+      robot.survey({7 * i, 3 * i}, 10 * i);
+      std::ranges::move(robot.frames(), std::back_inserter(frames));
+    }
+    ASSERT_GT(frames.size(), 4U);
     frames.push_back(frames.front());
     std::ranges::shuffle(frames, std::mt19937_64(seed));
     for (const Evidence& evidence : frames) EXPECT_TRUE(stage(robot, evidence).refusals.empty());
@@ -437,15 +440,18 @@ TEST_F(WorldTest, EndsTheSameWhicheverCommitFails) {
     disk->commits = 0;
     disk->failing = {failing};
     Surveyor robot;
-    for (int i = 0; i < 3; ++i) robot.survey({10 * i, 0}, 20 * i);
-    for (const Evidence& evidence : robot.frames()) {
-      stage(robot, evidence);
-      (void)world->commit();
+    constexpr int kSurveys = 9;
+    for (int i = 0; i < kSurveys; ++i) {
+      robot.survey({10 * i, 0}, 20 * i);
+      for (const Evidence& evidence : robot.frames()) {
+        stage(robot, evidence);
+        (void)world->commit();
+      }
     }
     commit_and_publish();
     EXPECT_GE(disk->commits, failing);
     EXPECT_TRUE(shows(*world->snapshot(), fold_of(robot.closed)));
-    EXPECT_EQ(world->merged(), 3U);
+    EXPECT_EQ(world->merged(), kSurveys);
     EXPECT_TRUE(is_sound());
   }
 }
