@@ -13,20 +13,20 @@ namespace {
 /// swept, many at a time.
 constexpr std::size_t kPatience = 16;
 
-CellBox grown(const CellBox& box, int by, const HeightGrid& within) {
+GridBox grown(const GridBox& box, int by, const HeightGrid& within) {
   return {std::max(box.x0 - by, 0), std::max(box.y0 - by, 0),
           std::min(box.x1 + by, within.width - 1), std::min(box.y1 + by, within.height - 1)};
 }
 
 template <class Visit>
-void each_cell(const CellBox& box, Visit&& visit) {
+void each_cell(const GridBox& box, Visit&& visit) {
   for (int y = box.y0; y <= box.y1; ++y) {
     for (int x = box.x0; x <= box.x1; ++x) visit(x, y);
   }
 }
 
 /// The part of the heights in the box.
-HeightGrid cut_out(const HeightGrid& heights, const CellBox& box) {
+HeightGrid cut_out(const HeightGrid& heights, const GridBox& box) {
   const CellIndex low{heights.origin.x + box.x0, heights.origin.y + box.y0};
   const CellIndex high{heights.origin.x + box.x1, heights.origin.y + box.y1};
   HeightGrid part = empty_grid(low, high, heights.cell_size_mm).value();
@@ -37,7 +37,7 @@ HeightGrid cut_out(const HeightGrid& heights, const CellBox& box) {
   return part;
 }
 
-WeightLayer cut_out(const WeightLayer& weights, const HeightGrid& heights, const CellBox& box) {
+WeightLayer cut_out(const WeightLayer& weights, const HeightGrid& heights, const GridBox& box) {
   WeightLayer part;
   if (weights.empty()) return part;
   each_cell(box, [&](int x, int y) {
@@ -64,7 +64,7 @@ FieldKeeper::FieldKeeper(DrivableGrid grid, const PlannerConfig& config, Field f
 
 void FieldKeeper::change(const std::vector<CellChange>& changes) {
   HeightGrid& heights = grid_.heights;
-  CellBox box{heights.width, heights.height, -1, -1};
+  GridBox box{heights.width, heights.height, -1, -1};
   for (const CellChange& change : changes) {
     if (!heights.contains(change.cell)) continue;
     const std::size_t at = heights.at(change.cell);
@@ -84,14 +84,14 @@ void FieldKeeper::change(const std::vector<CellChange>& changes) {
   }
 }
 
-std::vector<std::uint32_t> FieldKeeper::convert(const CellBox& changed) {
+std::vector<std::uint32_t> FieldKeeper::convert(const GridBox& changed) {
   const HeightGrid& heights = grid_.heights;
   const int reach = reach_of_change(grid_, config_);
-  const CellBox inner = grown(changed, reach, heights);
+  const GridBox inner = grown(changed, reach, heights);
   convert_open(inner, grown(inner, reach, heights));
 
   // One more around: what a cell's steps are like depends on whether its neighbours are open.
-  const CellBox priced = grown(inner, 1, heights);
+  const GridBox priced = grown(inner, 1, heights);
   struct Worth {
     std::int32_t lift;
     std::uint16_t price;
@@ -116,7 +116,7 @@ std::vector<std::uint32_t> FieldKeeper::convert(const CellBox& changed) {
 }
 
 /// Classes and what is open in `box`, from the heights of `around`.
-void FieldKeeper::convert_open(const CellBox& box, const CellBox& around) {
+void FieldKeeper::convert_open(const GridBox& box, const GridBox& around) {
   const DrivableGrid part = make_drivable(cut_out(grid_.heights, around), config_,
                                           cut_out(grid_.weights, grid_.heights, around));
   each_cell(box, [&](int x, int y) {
@@ -131,8 +131,7 @@ void FieldKeeper::convert_open(const CellBox& box, const CellBox& around) {
 
 void FieldKeeper::repair(const std::vector<std::uint32_t>& cells) {
   for (const std::uint32_t cell : cells) {
-    field_.levelled[cell] =
-        grid_.ground.price[cell] != 0 ? Field::kUnreached : Field::kClosed;
+    field_.levelled[cell] = grid_.ground.price[cell] != 0 ? Field::kUnreached : Field::kClosed;
   }
   const std::size_t most = 1000 + field_.levelled.size() / kPatience;
   if (!Wave(grid_, field_).repair(cells, doubted_, most)) start_anew();

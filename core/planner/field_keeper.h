@@ -36,8 +36,8 @@ class FieldKeeper {
   FieldKeeper(DrivableGrid grid, const PlannerConfig& config, Field field);
 
   /// Classes, what is open and what it costs around the changed box; what differs then.
-  [[nodiscard]] std::vector<std::uint32_t> convert(const CellBox& changed);
-  void convert_open(const CellBox& box, const CellBox& around);
+  [[nodiscard]] std::vector<std::uint32_t> convert(const GridBox& changed);
+  void convert_open(const GridBox& box, const GridBox& around);
   void start_anew();
   void repair(const std::vector<std::uint32_t>& cells);
 

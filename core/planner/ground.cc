@@ -18,7 +18,7 @@ class Pricing {
         some_uneven_(config.unknown == UnknownGround::allowed ||
                      config.limits.climb_mm != config.limits.descend_mm) {}
 
-  void price(const CellBox& box, bool look_for_uneven) {
+  void price(const GridBox& box, bool look_for_uneven) {
     for (int y = box.y0; y <= box.y1; ++y) {
       if (units_per_mm_ > 0) lift_row(y, box.x0, box.x1);
       price_row(y, box.x0, box.x1);
@@ -42,8 +42,8 @@ class Pricing {
     std::int32_t* lift = ground_.lift.data() + ground_.at(0, y);
     for (int x = x0; x <= x1; ++x) {
       const double exact = static_cast<double>(height[x]) * units_per_mm_;
-      const auto own =
-          static_cast<std::int32_t>(std::floor(std::clamp(exact, -kHighestLift, kHighestLift) + 0.5));
+      const auto own = static_cast<std::int32_t>(
+          std::floor(std::clamp(exact, -kHighestLift, kHighestLift) + 0.5));
       lift[x] = probability[x] != 0 ? own : lift[x - 1];
     }
   }
@@ -92,7 +92,7 @@ class Pricing {
     return std::abs(rise_mm) > std::min(grid_.limits.climb_mm, grid_.limits.descend_mm);
   }
 
-  void find_level_tiles(const CellBox& box) {
+  void find_level_tiles(const GridBox& box) {
     constexpr int kTile = PricedGround::kTile;
     const int columns = (grid_.heights.width + kTile - 1) / kTile;
     const int rows = (grid_.heights.height + kTile - 1) / kTile;
@@ -155,7 +155,7 @@ class Pricing {
 
 }  // namespace
 
-void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox& box) {
+void price_ground(DrivableGrid& grid, const PlannerConfig& config, const GridBox& box) {
   PricedGround& ground = grid.ground;
   const bool first_time = ground.stride == 0;
   if (first_time) {
@@ -225,9 +225,8 @@ Field unreached_field(const DrivableGrid& grid, CellIndex goal) {
   const std::vector<std::uint16_t>& price = grid.ground.price;
   Field field{grid.heights.origin, grid.heights.width, grid.heights.height, goal, {}};
   field.levelled.resize(price.size());
-  std::transform(price.begin(), price.end(), field.levelled.begin(), [](std::uint16_t p) {
-    return p != 0 ? Field::kUnreached : Field::kClosed;
-  });
+  std::transform(price.begin(), price.end(), field.levelled.begin(),
+                 [](std::uint16_t p) { return p != 0 ? Field::kUnreached : Field::kClosed; });
   return field;
 }
 

@@ -88,8 +88,8 @@ struct PricedGround {
   }
 };
 
-/// What an operator adds to the price of a grid's cells, row by row, in 1/16 of level ground; empty:
-/// nothing.
+/// What an operator adds to the price of a grid's cells, row by row, in 1/16 of level ground;
+/// empty: nothing.
 using WeightLayer = std::vector<std::uint8_t>;
 
 /// Costs are whole numbers of the 985th part of one level cell's length, the same on every machine.
@@ -132,7 +132,7 @@ struct DrivableGrid {
 void price_softly(DrivableGrid& grid, const PlannerConfig& config);
 
 /// Part of a grid: columns and rows from the lowest to the highest, counted from its origin.
-struct CellBox {
+struct GridBox {
   int x0 = 0;
   int y0 = 0;
   int x1 = -1;
@@ -143,7 +143,7 @@ struct CellBox {
 
 /// Computes `ground` anew inside the box, from the heights and what is open in and around it.
 /// Requires: the box lies in the grid.
-void price_ground(DrivableGrid& grid, const PlannerConfig& config, const CellBox& box);
+void price_ground(DrivableGrid& grid, const PlannerConfig& config, const GridBox& box);
 
 /// Why the vehicle's centre cannot be at `cell`, to follow "the goal ": "lies outside the map", "is
 /// on an obstacle", … Empty when it can.
