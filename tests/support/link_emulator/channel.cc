@@ -29,6 +29,7 @@ nlohmann::json to_json(const ChannelCounters& counters) {
 void Channel::offer(Packet packet, LinkTime now) {
   const std::size_t size = packet.size();
   counters_.offered.add(size);
+  counters_.first_offered = std::min(counters_.first_offered, now);
   const LinkTime starts = std::max(now, free_at_);
   const LinkTime waits = starts - now;
   if (config_.rate_bit_s > 0.0 && waits > config_.queue) {

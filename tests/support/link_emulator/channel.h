@@ -48,6 +48,7 @@ struct ChannelCounters {
   PacketCount duplicated;
   PacketCount damaged;
   LinkTime longest_queue{};
+  LinkTime first_offered = LinkTime::max();
 };
 [[nodiscard]] nlohmann::json to_json(const ChannelCounters& counters);
 
