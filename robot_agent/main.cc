@@ -40,6 +40,9 @@ struct Options {
   bool start_unknown = false;
   std::string server = "dds://127.0.0.1";
   std::string key;
+  double link_min_kbit = cairn::proto::BudgetConfig{}.floor_bit_s * 1e-3;
+  double link_max_kbit = cairn::proto::BudgetConfig{}.ceiling_bit_s * 1e-3;
+  double pose_period_s = 1.0;
   std::string robot = "robot";
   std::string site = "lab";
   int cell_mm = 125;
@@ -88,6 +91,18 @@ void describe(CLI::App& app, Options& options) {
                  "The server: dds://HOST[?domain=N] or udp://HOST[:PORT]")
       ->capture_default_str();
   app.add_option("--key", options.key, "File with this robot's key, for udp://: a line ROBOT KEY");
+  app.add_option("--link-min-kbit", options.link_min_kbit,
+                 "The way to the server is trusted to carry this much, whatever happens [kbit/s]")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  app.add_option("--link-max-kbit", options.link_max_kbit,
+                 "Never send more than this, headers included [kbit/s]")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  app.add_option("--pose-period-s", options.pose_period_s,
+                 "How often it tells its pose while it moves [s]")
+      ->check(CLI::Range(0.1, 60.0))
+      ->capture_default_str();
   app.add_option("--robot", options.robot, "This robot's id: a-z, 0-9, '-', '_'")
       ->capture_default_str();
   app.add_option("--site", options.site, "The site it works on (founded with `cairn found`)")
@@ -120,6 +135,9 @@ cairn::agent::AgentConfig config_of(const Options& options) {
   std::random_device random;
   config.link.robot = options.robot;
   config.link.site = options.site;
+  config.link.budget.floor_bit_s = options.link_min_kbit * 1e3;
+  config.link.budget.ceiling_bit_s = options.link_max_kbit * 1e3;
+  config.link.pose_period = cairn::from_seconds(options.pose_period_s);
   config.link.boot = (std::uint64_t{random()} << 32) | random();
   config.link.cell_size_mm = options.cell_mm;
   if (!options.replay.empty()) config.link.evidence_period = 50ms;  // Logs run faster than time.
@@ -277,6 +295,7 @@ Status run(const Options& options) {
     return cairn::Error{cairn::ErrorCode::invalid_argument,
                         flag + name + ": use 1 to 32 of a-z, 0-9, '-' and '_'"};
   }
+  if (Status valid = cairn::proto::validate(config_of(options).link.budget); !valid) return valid;
   auto input = open_input(options);
   if (!input) return input.error();
   auto carrier = open_carrier(options);

@@ -29,6 +29,8 @@ struct Options {
   std::vector<std::string> listen = {"dds://127.0.0.1"};
   std::string keys;
   std::string new_key;
+  double link_min_kbit = cairn::proto::BudgetConfig{}.floor_bit_s * 1e-3;
+  double link_max_kbit = cairn::proto::BudgetConfig{}.ceiling_bit_s * 1e-3;
   std::string api_address = "127.0.0.1";
   std::uint16_t api_port = 8642;
   cairn::VehicleLimits vehicle;
@@ -67,6 +69,14 @@ void describe(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--keys", options.keys, "The robots' keys, for udp://: lines ROBOT KEY");
   app.add_option("--new-key", options.new_key, "Print a new key for this robot, and end");
+  app.add_option("--link-min-kbit", options.link_min_kbit,
+                 "The way to each robot is trusted to carry this much, whatever happens [kbit/s]")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  app.add_option("--link-max-kbit", options.link_max_kbit,
+                 "Never send a robot more than this, headers included [kbit/s]")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
   app.add_option("--api-address", options.api_address, "Address for operators (HTTP, WebSocket)")
       ->capture_default_str();
   app.add_option("--api-port", options.api_port, "Port for operators; 0 = any free one")
@@ -102,6 +112,8 @@ void describe(CLI::App& app, Options& options) {
 cairn::server::ServerConfig config_of(const Options& options) {
   cairn::server::ServerConfig config;
   config.data = options.data;
+  config.budget.floor_bit_s = options.link_min_kbit * 1e3;
+  config.budget.ceiling_bit_s = options.link_max_kbit * 1e3;
   config.mission.planner.limits = options.vehicle;
   config.mission.planner.climb_effort = options.climb_effort;
   config.mission.planner.descend_effort = options.descend_effort;
@@ -190,6 +202,7 @@ Result<std::string> add_udp(const std::string& url, const std::string& key_file,
 }
 
 Status serve(const Options& options) {
+  if (Status valid = cairn::proto::validate(config_of(options).budget); !valid) return valid;
   Carriers carriers;
   std::string robots;
   for (const std::string& url : options.listen) {

@@ -115,7 +115,7 @@ void Server::listen(std::vector<std::unique_ptr<proto::Carrier>> carriers) {
   listener.reported = [weak](Robot& robot, const proto::CommandReport& report) {
     if (const auto self = weak.lock()) self->mission_->reported(robot, report);
   };
-  hub_ = std::make_shared<Hub>(control_, std::move(carriers), std::move(listener));
+  hub_ = std::make_shared<Hub>(control_, std::move(carriers), std::move(listener), config_.budget);
   mission_ = std::make_shared<Mission>(control_, executor_, hub_, config_.mission);
   hub_->start();
   asio::post(control_, [mission = mission_] { mission->start(); });

@@ -20,6 +20,7 @@ struct ServerConfig {
   std::filesystem::path data;  ///< Folder of the site files, NAME.cairn
   SensorModel sensor_model;
   MissionConfig mission;
+  proto::BudgetConfig budget;  ///< Of the way down to each robot.
 };
 
 /// The site files of a data folder (made if missing), sorted by name.

@@ -159,26 +159,63 @@ std::string robot_line(const api::RobotJson& robot) {
          bytes_text(static_cast<double>(robot.link.bytes_down));
 }
 
+namespace {
+
+/// What each direction of a link carried, and what it was for.
+std::vector<std::string> traffic_row(const api::RobotJson& robot, const api::LinkJson& from,
+                                     bool up, double seconds) {
+  const api::LinkJson& link = robot.link;
+  const api::TrafficJson& now = up ? link.up : link.down;
+  const api::TrafficJson& then = up ? from.up : from.down;
+  const auto kbit = [&](std::uint64_t a, std::uint64_t b) {
+    return printed("%.2f", rate(a, b, seconds) * 8e-3);
+  };
+  const double loss = up ? link.loss_up : link.loss_down;
+  return {robot.id,
+          up ? "up" : "down",
+          bytes_text(static_cast<double>(up ? link.bytes_up : link.bytes_down)),
+          kbit(up ? from.bytes_up : from.bytes_down, up ? link.bytes_up : link.bytes_down),
+          kbit(then.control_bytes, now.control_bytes),
+          kbit(then.pose_bytes, now.pose_bytes),
+          kbit(then.map_bytes, now.map_bytes),
+          up ? "-" : printed("%.1f", link.budget_down_bit_s * 1e-3),
+          printed("%.0f %%", loss * 100.0),
+          up ? "-" : printed("%.0f ms", link.queue_s * 1e3),
+          up ? "-" : bytes_text(static_cast<double>(link.unacknowledged_bytes))};
+}
+
+/// How long until the server holds everything, if the robot adds nothing: by how fast its backlog
+/// went down meanwhile.
+std::string synchronised_text(const api::LinkJson& from, const api::LinkJson& link,
+                              double seconds) {
+  if (link.backlog_blocks == 0) return "now";
+  const double gone = static_cast<double>(from.backlog_blocks) - link.backlog_blocks;
+  if (seconds <= 0.0 || gone <= 0.0) return "-";
+  return "in " + age_text(link.backlog_blocks * seconds / gone);
+}
+
+}  // namespace
+
 std::string link_text(const api::StatusReply& before, const api::StatusReply& after) {
   if (after.robots.empty()) return robots_text(after);
   const double seconds = after.uptime_s - before.uptime_s;
-  std::vector<std::vector<std::string>> rows = {{"ROBOT", "LINK", "UP", "UP RATE", "DOWN",
-                                                 "DOWN RATE", "LOST", "MALFORMED", "ROUND TRIP",
-                                                 "SILENCE", "BACKLOG"}};
+  std::vector<std::vector<std::string>> states = {
+      {"ROBOT", "LINK", "ROUND TRIP", "SILENCE", "LOST", "MALFORMED", "BACKLOG", "SYNCHRONISED"}};
+  std::vector<std::vector<std::string>> traffic = {{"ROBOT", "WAY", "BYTES", "KBIT/S", "CONTROL",
+                                                    "POSE", "MAP", "BUDGET", "LOSS", "QUEUE",
+                                                    "UNACKED"}};
   for (const auto& robot : after.robots) {
     const auto& link = robot.link;
     const auto* earlier = find_robot(before, robot.id);
     const auto& from = earlier != nullptr ? earlier->link : link;
-    rows.push_back({robot.id, link.connected ? "up" : "LOST",
-                    bytes_text(static_cast<double>(link.bytes_up)),
-                    printed("%.2f kbit/s", rate(from.bytes_up, link.bytes_up, seconds) * 8e-3),
-                    bytes_text(static_cast<double>(link.bytes_down)),
-                    printed("%.2f kbit/s", rate(from.bytes_down, link.bytes_down, seconds) * 8e-3),
-                    count_text(link.frames_lost) + " frames", count_text(link.frames_malformed),
-                    printed("%.0f ms", link.round_trip_s * 1e3), age_text(link.silence_s),
-                    count_text(link.backlog_blocks) + " blocks"});
+    states.push_back({robot.id, link.connected ? "up" : "LOST",
+                      printed("%.0f ms", link.round_trip_s * 1e3), age_text(link.silence_s),
+                      count_text(link.frames_lost) + " frames", count_text(link.frames_malformed),
+                      count_text(link.backlog_blocks) + " blocks",
+                      synchronised_text(from, link, seconds)});
+    for (const bool up : {true, false}) traffic.push_back(traffic_row(robot, from, up, seconds));
   }
-  return table_text(rows);
+  return table_text(states) + '\n' + table_text(traffic);
 }
 
 std::string command_text(const api::CommandReply& reply, const std::string& what) {

@@ -27,6 +27,7 @@ constexpr Rule kCoordinate{.lowest = -kMaxCoordinateM, .highest = kMaxCoordinate
 constexpr Rule kAngle{.lowest = -2.0 * std::numbers::pi, .highest = 2.0 * std::numbers::pi};
 constexpr Rule kNotNegative{.lowest = 0.0};
 constexpr Rule kCount{.lowest = 0.0};
+constexpr Rule kShare{.lowest = 0.0, .highest = 1.0};
 constexpr Rule kName{.max_size = kMaxNameChars, .name = true};
 constexpr Rule kText{.max_size = 1024};
 constexpr Rule kExpiry{.lowest = 1.0, .highest = 86'400.0};
@@ -47,6 +48,14 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, TrafficJson>
+void describe(V& v, M& m) {
+  v.required("control_bytes", m.control_bytes, kCount);
+  v.required("pose_bytes", m.pose_bytes, kCount);
+  v.required("map_bytes", m.map_bytes, kCount);
+}
+
+template <class V, class M>
 requires std::same_as<std::remove_const_t<M>, LinkJson>
 void describe(V& v, M& m) {
   v.required("connected", m.connected);
@@ -55,6 +64,14 @@ void describe(V& v, M& m) {
   v.required("bytes_up", m.bytes_up, kCount);
   v.required("bytes_down", m.bytes_down, kCount);
   v.required("frames_lost", m.frames_lost, kCount);
+  v.required("frames_down_lost", m.frames_down_lost, kCount);
+  v.required("loss_up", m.loss_up, kShare);
+  v.required("loss_down", m.loss_down, kShare);
+  v.required("budget_down_bit_s", m.budget_down_bit_s, kNotNegative);
+  v.required("queue_s", m.queue_s, kNotNegative);
+  v.required("unacknowledged_bytes", m.unacknowledged_bytes, kCount);
+  v.required("up", m.up);
+  v.required("down", m.down);
   v.required("frames_malformed", m.frames_malformed, kCount);
   v.required("backlog_blocks", m.backlog_blocks, kCount);
 }
@@ -272,6 +289,7 @@ static void write(nlohmann::json& json, const T& message) {
   template Result<T> from_json<T>(const nlohmann::json& json);
 
 CAIRN_MESSAGE(PointJson)
+CAIRN_MESSAGE(TrafficJson)
 CAIRN_MESSAGE(LinkJson)
 CAIRN_MESSAGE(CommandJson)
 CAIRN_MESSAGE(TaskJson)

@@ -28,15 +28,30 @@ struct PointJson {
   double y_m = 0.0;
 };
 
+/// IP bytes by what they were for.
+struct TrafficJson {
+  std::uint64_t control_bytes = 0;  ///< Commands, reports, acknowledgements, set-up.
+  std::uint64_t pose_bytes = 0;
+  std::uint64_t map_bytes = 0;
+};
+
 struct LinkJson {
   bool connected = false;
   double silence_s = 0.0;  ///< Since the robot's last frame.
   double round_trip_s = 0.0;
-  std::uint64_t bytes_up = 0;    ///< Received from the robot, IP bytes.
-  std::uint64_t bytes_down = 0;  ///< Sent to the robot, IP bytes.
-  std::uint64_t frames_lost = 0;
+  std::uint64_t bytes_up = 0;     ///< Received from the robot, IP bytes.
+  std::uint64_t bytes_down = 0;   ///< Sent to the robot, IP bytes.
+  std::uint64_t frames_lost = 0;  ///< Of the robot's: never came.
   std::uint64_t frames_malformed = 0;
-  std::uint32_t backlog_blocks = 0;  ///< Evidence the robot has and the server lacks.
+  std::uint32_t backlog_blocks = 0;    ///< Evidence the robot has and the server lacks.
+  std::uint64_t frames_down_lost = 0;  ///< Of the server's, that asked for an answer.
+  double loss_up = 0.0;                ///< [0 … 1] Share of `frames_lost`.
+  double loss_down = 0.0;              ///< [0 … 1] Lately.
+  double budget_down_bit_s = 0.0;      ///< What the server allows itself towards the robot.
+  double queue_s = 0.0;                ///< Estimated wait on the way down beyond an idle link's.
+  std::uint64_t unacknowledged_bytes = 0;  ///< Sent to the robot, no answer yet.
+  TrafficJson up{};
+  TrafficJson down{};
 };
 
 struct CommandJson {
@@ -205,6 +220,7 @@ struct MapReply {
 
 /// The message as JSON. Numbers must be finite: JSON has no other.
 void to_json(nlohmann::json& json, const PointJson& message);
+void to_json(nlohmann::json& json, const TrafficJson& message);
 void to_json(nlohmann::json& json, const LinkJson& message);
 void to_json(nlohmann::json& json, const CommandJson& message);
 void to_json(nlohmann::json& json, const TaskJson& message);

@@ -16,11 +16,6 @@ bool covers(const Ack& ack, std::uint32_t number) {
 
 }  // namespace
 
-Flight::Flight(int window_frames)
-    : most_window_(window_frames), window_(std::min(kFirstWindow, window_frames)) {
-  assert(window_frames >= kLeastWindow);
-}
-
 std::uint32_t Flight::next_number(std::vector<std::uint32_t>& lost) {
   ++last_number_;
   while (!frames_.empty() && frames_.begin()->first + kReach <= last_number_) {
@@ -34,26 +29,28 @@ std::uint32_t Flight::next_number(std::vector<std::uint32_t>& lost) {
   return last_number_;
 }
 
-void Flight::sent(std::uint32_t number, bool evidence, MonotonicTime now) {
+void Flight::sent(std::uint32_t number, Load load, const Budget::Mark& mark, MonotonicTime now) {
   assert(number == last_number_);
-  frames_[number] = {.at = now, .evidence = evidence};
-  if (evidence) ++evidence_under_way_;
+  frames_[number] = {.at = now, .load = load, .mark = mark};
+  if (load == Load::evidence) ++evidence_under_way_;
 }
 
 Flight::News Flight::on_ack(const Ack& ack, MonotonicTime now) {
   News news;
   if (ack.cumulative > last_number_) return news;
-  std::optional<MonotonicTime> newest_sent_at;
   for (auto frame = frames_.begin(); frame != frames_.end();) {
     const auto here = frame++;
     if (!covers(ack, here->first)) continue;
-    newest_sent_at = here->second.at;
+    news.round_trip = std::max(now - here->second.at, Duration::zero());
+    news.newest = here->second.mark;
     news.acked.push_back(here->first);
+    if (here->second.lost) ++news.found_again;
     acknowledge(here);
   }
-  if (newest_sent_at) {
-    round_trip_.measured(std::max(now - *newest_sent_at, Duration::zero()));
+  if (news.round_trip) {
+    round_trip_.measured(*news.round_trip);
     backoff_ = 0;
+    urgent_tries_ = 0;
   }
   for (auto& [number, frame] : frames_) {
     if (frame.lost || frame.newer_acked < kPacketThreshold) continue;
@@ -64,27 +61,26 @@ Flight::News Flight::on_ack(const Ack& ack, MonotonicTime now) {
 }
 
 void Flight::acknowledge(Frames::iterator frame) {
-  if (frame->second.evidence) {
-    if (!frame->second.lost) --evidence_under_way_;
-    window_ = std::min(window_ + 1, most_window_);
-  }
+  if (frame->second.load == Load::evidence && !frame->second.lost) --evidence_under_way_;
   for (auto older = frames_.begin(); older != frame; ++older) ++older->second.newer_acked;
   frames_.erase(frame);
 }
 
 std::vector<std::uint32_t> Flight::on_time(MonotonicTime now) {
-  std::vector<std::uint32_t> lost;
-  const Duration wait = patience();
-  for (auto& [number, frame] : frames_) {
-    if (frame.lost || frame.at + wait > now) continue;
+  std::vector<std::uint32_t> late;
+  for (const auto& [number, frame] : frames_) {
+    if (!frame.lost && due(frame) <= now) late.push_back(number);
+  }
+  bool silent = false;
+  for (const std::uint32_t number : late) {
+    Sent& frame = frames_.at(number);
     lose(frame);
-    lost.push_back(number);
+    const bool patient = frame.at + patience() <= now;
+    silent = silent || patient;
+    if (!patient) ++urgent_tries_;
   }
-  if (!lost.empty()) {
-    backoff_ = std::min(backoff_ + 1, kMostDoublings);
-    window_ = std::max(window_ / 2, kLeastWindow);
-  }
-  return lost;
+  if (silent) backoff_ = std::min(backoff_ + 1, kMostDoublings);
+  return late;
 }
 
 std::vector<std::uint32_t> Flight::lose_all() {
@@ -95,12 +91,13 @@ std::vector<std::uint32_t> Flight::lose_all() {
     lost.push_back(number);
   }
   backoff_ = 0;
+  urgent_tries_ = 0;
   return lost;
 }
 
 void Flight::lose(Sent& frame) {
   frame.lost = true;
-  if (frame.evidence) --evidence_under_way_;
+  if (frame.load == Load::evidence) --evidence_under_way_;
 }
 
 void Flight::reset() {
@@ -108,26 +105,46 @@ void Flight::reset() {
   last_number_ = 0;
   evidence_under_way_ = 0;
   backoff_ = 0;
+  urgent_tries_ = 0;
 }
 
 bool Flight::evidence_may_go() const {
-  if (evidence_under_way_ >= window_) return false;
+  if (backoff_ > 0 && evidence_under_way_ >= std::max(1, kSilentWindow >> (backoff_ - 1))) {
+    return false;
+  }
   const auto oldest =
       std::ranges::find_if(frames_, [](const auto& entry) { return !entry.second.lost; });
   return oldest == frames_.end() || last_number_ - oldest->first < kEvidenceReach;
 }
 
+std::size_t Flight::bytes_under_way() const {
+  std::size_t bytes = 0;
+  for (const auto& [number, frame] : frames_) bytes += frame.lost ? 0 : frame.mark.bytes;
+  return bytes;
+}
+
+MonotonicTime Flight::due(const Sent& frame) const {
+  const bool urgent = frame.load == Load::urgent && urgent_tries_ < kUrgentTries;
+  return frame.at + (urgent ? std::min(urgent_patience(), patience()) : patience());
+}
+
 std::optional<MonotonicTime> Flight::due() const {
-  std::optional<MonotonicTime> oldest;
+  std::optional<MonotonicTime> first;
   for (const auto& [number, frame] : frames_) {
-    if (!frame.lost) oldest = oldest ? std::min(*oldest, frame.at) : frame.at;
+    if (frame.lost) continue;
+    first = first ? std::min(*first, due(frame)) : due(frame);
   }
-  if (oldest) *oldest += patience();
-  return oldest;
+  return first;
 }
 
 Duration Flight::patience() const {
   return std::min(round_trip_.timeout() * (1 << backoff_), RoundTrip::kMaxTimeout);
+}
+
+Duration Flight::urgent_patience() const {
+  if (!round_trip_.smoothed()) return kMostUrgentWait;
+  return std::clamp(from_seconds(kUrgentShare * to_seconds(*round_trip_.smoothed())),
+                    kLeastUrgentWait, kMostUrgentWait);
 }
 
 }  // namespace cairn::proto

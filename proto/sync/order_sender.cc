@@ -34,7 +34,7 @@ void OrderSender::on_report(const CommandReport& report) {
 void OrderSender::ask_again_if_due(MonotonicTime now) {
   const auto due = ask_due();
   if (!due || now < *due) return;
-  record_.where = Where::waiting;
+  record_.again();
   ask_wait_ = std::min(2 * ask_wait_, kMostAskWait);
 }
 
@@ -45,16 +45,16 @@ std::optional<MonotonicTime> OrderSender::ask_due() const {
 
 bool OrderSender::has_news() const {
   if (!command_) return false;
-  const auto waits = [](const Item& item) { return item.where == Where::waiting; };
-  return waits(record_) || std::ranges::any_of(parts_, waits);
+  return record_.waits() ||
+         std::ranges::any_of(parts_, [](const Part& part) { return part.transit.waits(); });
 }
 
 bool OrderSender::fill_command(FrameWriter& frame, std::uint32_t number,
                                std::uint64_t expires_clock_ms, MonotonicTime now) {
-  if (!command_ || record_.where != Where::waiting) return false;
+  if (!record_waits()) return false;
   command_->expires_clock_ms = expires_clock_ms;
   if (!frame.add(*command_)) return false;
-  record_ = {.where = Where::under_way, .carrier = number};
+  record_.sent(number);
   asked_at_ = now;
   return true;
 }
@@ -62,32 +62,26 @@ bool OrderSender::fill_command(FrameWriter& frame, std::uint32_t number,
 bool OrderSender::fill_parts(FrameWriter& frame, std::uint32_t number) {
   bool added = false;
   for (Part& part : parts_) {
-    if (part.where != Where::waiting || !frame.add(part.part)) continue;
-    part.where = Where::under_way;
-    part.carrier = number;
+    if (!part.transit.waits() || !frame.add(part.part)) continue;
+    part.transit.sent(number);
     added = true;
   }
   return added;
 }
 
-void OrderSender::on_acked(std::uint32_t number) { move(number, Where::acknowledged); }
-
-void OrderSender::on_lost(std::uint32_t number) { move(number, Where::waiting); }
-
-void OrderSender::move(std::uint32_t number, Where to) {
-  if (in_frame(record_, number)) record_.where = to;
-  for (Part& part : parts_) {
-    if (in_frame(part, number)) part.where = to;
-  }
+void OrderSender::on_acked(std::uint32_t number) {
+  record_.on_acked(number);
+  for (Part& part : parts_) part.transit.on_acked(number);
 }
 
-bool OrderSender::in_frame(const Item& item, std::uint32_t number) {
-  return item.where == Where::under_way && item.carrier == number;
+void OrderSender::on_lost(std::uint32_t number) {
+  record_.on_lost(number);
+  for (Part& part : parts_) part.transit.on_lost(number);
 }
 
 bool OrderSender::all_acknowledged() const {
-  const auto acknowledged = [](const Item& item) { return item.where == Where::acknowledged; };
-  return acknowledged(record_) && std::ranges::all_of(parts_, acknowledged);
+  return record_.acknowledged() &&
+         std::ranges::all_of(parts_, [](const Part& part) { return part.transit.acknowledged(); });
 }
 
 }  // namespace cairn::proto

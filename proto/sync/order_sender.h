@@ -7,6 +7,7 @@
 #include "core/common/time.h"
 #include "proto/codec/frame.h"
 #include "proto/codec/records.h"
+#include "proto/sync/transit.h"
 
 namespace cairn::proto {
 
@@ -27,6 +28,8 @@ class OrderSender {
   [[nodiscard]] std::optional<MonotonicTime> ask_due() const;
 
   [[nodiscard]] bool has_news() const;
+  /// Of `has_news`: it is the record, which goes before its parts.
+  [[nodiscard]] bool record_waits() const { return command_ && record_.waits(); }
   [[nodiscard]] MonotonicTime expires_at() const { return expires_at_; }
   /// Each returns whether it added something.
   bool fill_command(FrameWriter& frame, std::uint32_t number, std::uint64_t expires_clock_ms,
@@ -36,21 +39,15 @@ class OrderSender {
   void on_lost(std::uint32_t number);
 
  private:
-  enum class Where : std::uint8_t { waiting, under_way, acknowledged };
-  struct Item {
-    Where where = Where::waiting;
-    std::uint32_t carrier = 0;  ///< Frame it is under way in.
-  };
-  struct Part : Item {
+  struct Part {
     PathPart part;
+    Transit transit = {};
   };
 
-  static bool in_frame(const Item& item, std::uint32_t number);
-  void move(std::uint32_t number, Where to);
   [[nodiscard]] bool all_acknowledged() const;
 
   std::optional<Command> command_;  ///< nullopt: none, or the robot reported on it.
-  Item record_;
+  Transit record_;
   std::vector<Part> parts_;  ///< [Limit: ≤ kMaxPathPoints / kMaxPartPoints, rounded up]
   MonotonicTime expires_at_{};
   MonotonicTime asked_at_{};

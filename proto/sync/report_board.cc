@@ -16,42 +16,35 @@ void ReportBoard::post(const CommandReport& report) {
 
 bool ReportBoard::ask(std::uint64_t command, std::uint32_t revision) {
   Entry* entry = find(command, revision);
-  if (entry != nullptr && entry->where == Where::acknowledged) entry->where = Where::waiting;
+  if (entry != nullptr && entry->transit.acknowledged()) entry->transit.again();
   return entry != nullptr;
 }
 
 bool ReportBoard::has_news() const {
-  return std::ranges::any_of(entries_, [](const Entry& e) { return e.where == Where::waiting; });
+  return std::ranges::any_of(entries_, [](const Entry& e) { return e.transit.waits(); });
 }
 
 int ReportBoard::fill(FrameWriter& frame, std::uint32_t number) {
   int added = 0;
   for (Entry& entry : entries_) {
-    if (entry.where != Where::waiting || !frame.add(entry.report)) continue;
-    entry.where = Where::under_way;
-    entry.carrier = number;
+    if (!entry.transit.waits() || !frame.add(entry.report)) continue;
+    entry.transit.sent(number);
     ++added;
   }
   return added;
 }
 
 void ReportBoard::on_acked(std::uint32_t number) {
-  for (Entry& entry : entries_) {
-    const bool in_it = entry.where == Where::under_way && entry.carrier == number;
-    if (in_it) entry.where = Where::acknowledged;
-  }
+  for (Entry& entry : entries_) entry.transit.on_acked(number);
 }
 
 void ReportBoard::on_lost(std::uint32_t number) {
-  for (Entry& entry : entries_) {
-    const bool in_it = entry.where == Where::under_way && entry.carrier == number;
-    if (in_it) entry.where = Where::waiting;
-  }
+  for (Entry& entry : entries_) entry.transit.on_lost(number);
 }
 
 void ReportBoard::on_session() {
   for (Entry& entry : entries_) {
-    if (entry.where == Where::under_way) entry.where = Where::waiting;
+    if (!entry.transit.acknowledged()) entry.transit.again();
   }
 }
 
@@ -64,7 +57,8 @@ ReportBoard::Entry* ReportBoard::find(std::uint64_t command, std::uint32_t revis
 
 void ReportBoard::make_room() {
   if (entries_.size() < kMaxReports) return;
-  const auto said = std::ranges::find(entries_, Where::acknowledged, &Entry::where);
+  const auto said =
+      std::ranges::find_if(entries_, [](const Entry& e) { return e.transit.acknowledged(); });
   entries_.erase(said == entries_.end() ? entries_.begin() : said);
 }
 

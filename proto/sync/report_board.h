@@ -5,6 +5,7 @@
 
 #include "proto/codec/frame.h"
 #include "proto/codec/records.h"
+#include "proto/sync/transit.h"
 
 namespace cairn::proto {
 
@@ -29,11 +30,9 @@ class ReportBoard {
   void on_session();
 
  private:
-  enum class Where : std::uint8_t { waiting, under_way, acknowledged };
   struct Entry {
     CommandReport report;
-    Where where = Where::waiting;
-    std::uint32_t carrier = 0;  ///< Frame it is under way in.
+    Transit transit = {};
   };
 
   Entry* find(std::uint64_t command, std::uint32_t revision);

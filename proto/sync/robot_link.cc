@@ -12,12 +12,34 @@ std::uint64_t to_clock_ms(MonotonicTime now) {
   return static_cast<std::uint64_t>(now.count() / 1000);
 }
 
-bool elicits_ack(const Frame& frame) {
+bool holds_order(const Frame& frame) {
   return std::ranges::any_of(frame.records, [](const Record& record) {
-    return std::holds_alternative<Command>(record) || std::holds_alternative<PathPart>(record) ||
-           std::holds_alternative<MapPatch>(record) || std::holds_alternative<SubmapMove>(record) ||
+    return std::holds_alternative<Command>(record) || std::holds_alternative<PathPart>(record);
+  });
+}
+
+bool holds_map(const Frame& frame) {
+  return std::ranges::any_of(frame.records, [](const Record& record) {
+    return std::holds_alternative<MapPatch>(record) || std::holds_alternative<SubmapMove>(record) ||
            std::holds_alternative<MapCommit>(record);
   });
+}
+
+bool further_than(std::int32_t a, std::int32_t b, std::int64_t limit) {
+  return std::abs(std::int64_t{a} - b) > limit;
+}
+
+/// Whether the server would learn something from `next` that it cannot take from `told`.
+bool tells_more(const PoseReport& told, const PoseReport& next) {
+  constexpr std::int64_t kStillMm = 20;
+  constexpr std::int64_t kStill1e4rad = 100;
+  const SubmapPose& a = told.T_site_robot;
+  const SubmapPose& b = next.T_site_robot;
+  return further_than(a.x_mm, b.x_mm, kStillMm) || further_than(a.y_mm, b.y_mm, kStillMm) ||
+         further_than(a.z_mm, b.z_mm, kStillMm) ||
+         further_than(a.yaw_1e4rad, b.yaw_1e4rad, kStill1e4rad) || next.speed_mm_s != 0 ||
+         told.drive != next.drive || told.localization != next.localization ||
+         told.command != next.command || (told.backlog_blocks == 0) != (next.backlog_blocks == 0);
 }
 
 Error explain(const Reject& reject, const RobotLinkConfig& config) {
@@ -48,7 +70,7 @@ Error explain(const Reject& reject, const RobotLinkConfig& config) {
 RobotLink::RobotLink(RobotLinkConfig config, std::size_t carrier_overhead_bytes)
     : config_(std::move(config)),
       overhead_bytes_(carrier_overhead_bytes),
-      flight_(config_.window_frames) {}
+      budget_(config_.budget) {}
 
 void RobotLink::set_pose(const PoseReport& pose) { pose_ = pose; }
 
@@ -88,7 +110,10 @@ void RobotLink::on_answer(const Record& record, const FrameHeader& header, Monot
 }
 
 void RobotLink::on_welcome(const Welcome& welcome, MonotonicTime now) {
-  if (phase_ != Phase::hello || welcome.boot != config_.boot) return;
+  if (welcome.boot != config_.boot) return;
+  // Said in a session that stands, it asks whether this robot is still there: a pose says so.
+  if (phase_ == Phase::connected && welcome.session == session_) told_.reset();
+  if (phase_ != Phase::hello) return;
   // A late answer must not revive a session whose frame numbers were used already.
   if (std::ranges::find(left_sessions_, welcome.session) != left_sessions_.end()) return;
   if (welcome.session == session_) {
@@ -116,6 +141,8 @@ void RobotLink::begin_session(const Welcome& welcome) {
   flight_.reset();
   received_ = {};
   ack_due_.reset();
+  map_unacked_ = 0;
+  told_.reset();
   evidence_.on_session(other_store);
   round_open_ = false;
   round_due_ = {};
@@ -141,7 +168,10 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
     phase_ = Phase::connected;
     lost(flight_.lose_all());
   }
-  if (elicits_ack(frame) && !ack_due_) ack_due_ = now + kAckDelay;
+  if (holds_order(frame)) acknowledge_by(now + kAckDelay);
+  if (holds_map(frame)) {
+    acknowledge_by(++map_unacked_ >= kMostMapUnacked ? now : now + kMapAckDelay);
+  }
   if (received_.is_done(frame.header.number)) return {};
   if (!take_patches(frame)) {
     ++counters_.frames_malformed;
@@ -178,8 +208,15 @@ void RobotLink::take_map(const Record& record) {
 
 std::vector<MapUpdate> RobotLink::take_map_updates() { return std::exchange(map_updates_, {}); }
 
+void RobotLink::acknowledge_by(MonotonicTime due) {
+  ack_due_ = ack_due_ ? std::min(*ack_due_, due) : due;
+}
+
 void RobotLink::on_ack(const Ack& ack, MonotonicTime now) {
   const Flight::News news = flight_.on_ack(ack, now);
+  if (news.round_trip) budget_.on_round_trip(*news.round_trip, news.newest, now);
+  budget_.on_fate(news.acked.size(), news.lost.size());
+  counters_.frames_lost -= news.found_again;
   for (const std::uint32_t number : news.acked) {
     evidence_.on_acked(number);
     reports_.on_acked(number);
@@ -211,10 +248,21 @@ std::optional<std::vector<std::uint8_t>> RobotLink::next_frame(MonotonicTime now
   if (phase_ == Phase::rejected) return std::nullopt;
   if (phase_ == Phase::connected && silent_too_long(now)) say_hello_from(now);
   if (phase_ == Phase::hello) return hello_frame(now);
-  lost(flight_.on_time(now));
+  give_up_late_frames(now);
   open_round_if_due(now);
+  // Asked even when something else is due: that it must wait is what lets the budget grow.
+  if (evidence_waits()) (void)budget_.may_send(Traffic::map, now);
   if (!something_is_due(now)) return std::nullopt;
   return session_frame(now);
+}
+
+void RobotLink::give_up_late_frames(MonotonicTime now) {
+  const int timeouts = flight_.timeouts();
+  const auto late = flight_.on_time(now);
+  budget_.on_fate(0, late.size());
+  // A timeout is a lost packet among few; three in a row are silence.
+  if (flight_.timeouts() > std::max(timeouts, 2)) budget_.on_silence();
+  lost(late);
 }
 
 void RobotLink::say_hello_from(MonotonicTime now) {
@@ -234,6 +282,7 @@ std::optional<std::vector<std::uint8_t>> RobotLink::hello_frame(MonotonicTime no
                   .boot = config_.boot,
                   .cell_size_mm = static_cast<std::uint16_t>(config_.cell_size_mm),
                   .clock_ms = to_clock_ms(now)});
+  budget_.sent(Traffic::control, frame.size_bytes() + overhead_bytes_, now);
   return finish(std::move(frame));
 }
 
@@ -242,16 +291,26 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
   const std::uint32_t number = flight_.next_number(out_of_reach);
   lost(out_of_reach);
   FrameWriter frame({.direction = Direction::up, .session = session_, .number = number});
-  if (ack_due_ && frame.add(received_.ack())) ack_due_.reset();
-  const bool reports = reports_.fill(frame, number) > 0;
-  if (pose_is_due(now) && frame.add(*pose_)) {
-    pose_.reset();
-    pose_due_ = now + config_.pose_period;
+  if (ack_due_ && frame.add(received_.ack())) {
+    ack_due_.reset();
+    map_unacked_ = 0;
   }
-  const bool evidence = evidence_may_go() && evidence_.fill(frame, number) > 0;
+  const bool reports = reports_.fill(frame, number) > 0;
+  const bool first_pose = pose_ && !told_;
+  const bool pose = pose_is_due(now) && frame.add(*pose_);
+  if (pose) {
+    told_ = std::exchange(pose_, std::nullopt);
+    told_at_ = now;
+  }
+  // What somebody waits for travels in short frames, and so does a session's first pose.
+  const bool brief = reports || first_pose;
+  const bool evidence = !brief && evidence_may_go(now) && evidence_.fill(frame, number) > 0;
   if (!evidence_.has_news()) round_open_ = false;
+  const std::size_t bytes = frame.size_bytes() + overhead_bytes_;
+  budget_.sent(evidence ? Traffic::map : pose ? Traffic::pose : Traffic::control, bytes, now);
   if (reports || evidence) {
-    flight_.sent(number, evidence, now);
+    const auto load = reports ? Flight::Load::urgent : Flight::Load::evidence;
+    flight_.sent(number, load, {bytes, budget_.total()}, now);
     if (!unanswered_since_) unanswered_since_ = now;
   }
   return finish(std::move(frame));
@@ -279,7 +338,14 @@ bool RobotLink::silent_too_long(MonotonicTime now) const {
   return unanswered_since_ && now - *unanswered_since_ >= kSilence;
 }
 
-bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due_; }
+MonotonicTime RobotLink::pose_due(MonotonicTime now) const {
+  if (!told_) return now;
+  const bool news = tells_more(*told_, *pose_);
+  const MonotonicTime due = told_at_ + (news ? config_.pose_period : config_.quiet_pose_period);
+  return std::max(due, budget_.due(Traffic::pose, now));
+}
+
+bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due(now); }
 
 void RobotLink::open_round_if_due(MonotonicTime now) {
   if (round_open_ || now < round_due_ || !evidence_.has_news()) return;
@@ -288,13 +354,17 @@ void RobotLink::open_round_if_due(MonotonicTime now) {
   round_due_ = now + config_.evidence_period;
 }
 
-bool RobotLink::evidence_may_go() const {
+bool RobotLink::evidence_waits() const {
   return round_open_ && flight_.evidence_may_go() && evidence_.has_news();
+}
+
+bool RobotLink::evidence_may_go(MonotonicTime now) const {
+  return evidence_waits() && budget_.due(Traffic::map, now) <= now;
 }
 
 bool RobotLink::something_is_due(MonotonicTime now) const {
   const bool ack = ack_due_ && now >= *ack_due_;
-  return ack || reports_.has_news() || pose_is_due(now) || evidence_may_go();
+  return ack || reports_.has_news() || pose_is_due(now) || evidence_may_go(now);
 }
 
 MonotonicTime RobotLink::next_due(MonotonicTime now) const {
@@ -303,7 +373,8 @@ MonotonicTime RobotLink::next_due(MonotonicTime now) const {
   if (something_is_due(now)) return now;
   MonotonicTime due = now + kNothingDue;
   if (ack_due_) due = std::min(due, *ack_due_);
-  if (pose_) due = std::min(due, pose_due_);
+  if (pose_) due = std::min(due, pose_due(now));
+  if (evidence_waits()) due = std::min(due, budget_.due(Traffic::map, now));
   if (!round_open_ && evidence_.has_news()) due = std::min(due, round_due_);
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);

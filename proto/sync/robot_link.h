@@ -12,6 +12,7 @@
 #include "core/common/time.h"
 #include "proto/codec/frame.h"
 #include "proto/sync/ack_log.h"
+#include "proto/sync/budget.h"
 #include "proto/sync/evidence_sender.h"
 #include "proto/sync/flight.h"
 #include "proto/sync/map_inbox.h"
@@ -25,16 +26,18 @@ struct RobotLinkConfig {
   std::string site;
   std::uint64_t boot = 0;
   int cell_size_mm = 125;
-  /// [frames] Evidence frames under way at once.
-  int window_frames = 48;
-  /// [ms] How often a pose is sent.
-  Duration pose_period = std::chrono::milliseconds(500);
+  BudgetConfig budget = {};
+  /// How often a pose is sent …
+  Duration pose_period = std::chrono::seconds(1);
+  /// … and how often one that says nothing new (the robot stands), so that the server knows that
+  /// the robot is there.
+  Duration quiet_pose_period = std::chrono::seconds(20);
   /// How often evidence sets out: what changed meanwhile travels once. While a round is not yet all
   /// sent (a slow link, a full window) it goes on.
   Duration evidence_period = std::chrono::seconds(1);
   /// How long `robot_id_in_use` is retried before it is final (an agent that was killed a moment
   /// ago still counts as present at the server).
-  Duration in_use_patience = std::chrono::seconds(12);
+  Duration in_use_patience = std::chrono::seconds(30);
 };
 
 /// Counters of one end of a link; bytes include the carrier's overhead.
@@ -43,7 +46,9 @@ struct LinkCounters {
   std::uint64_t frames_received = 0;
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;
-  std::uint64_t frames_lost = 0;       ///< Sent and judged lost.
+  std::uint64_t frames_lost = 0;       ///< Sent and judged lost, less those found again.
+  std::uint64_t frames_missed = 0;     ///< Of the peer's numbers: never came.
+  TrafficBytes received_bytes{};       ///< Of `bytes_received`, by kind.
   std::uint64_t frames_malformed = 0;  ///< Received and refused by the decoder.
 };
 
@@ -55,14 +60,17 @@ class RobotLink {
   /// Silence from the server, with something unanswered, after which the robot says Hello again.
   static constexpr Duration kSilence = std::chrono::seconds(15);
   static constexpr Duration kFirstHelloWait = std::chrono::milliseconds(300);
-  static constexpr Duration kMostHelloWait = std::chrono::seconds(5);
-  /// An acknowledgement waits this long for something to travel with.
+  static constexpr Duration kMostHelloWait = std::chrono::seconds(3);
+  /// An acknowledgement waits this long for something to travel with …
   static constexpr Duration kAckDelay = std::chrono::milliseconds(25);
+  /// … and one of map this long for more to acknowledge, of which there are at most so many.
+  static constexpr Duration kMapAckDelay = std::chrono::milliseconds(100);
+  static constexpr int kMostMapUnacked = 8;
   /// `next_due` when nothing at all is under way or planned.
   static constexpr Duration kNothingDue = std::chrono::hours(1);
   static constexpr std::size_t kMaxLeftSessions = 16;  ///< Remembered, never entered again.
 
-  /// Requires: robot and site are names (text.h), cell size 10 … 2000 mm, window ≥ 2 frames.
+  /// Requires: robot and site are names (text.h), cell size 10 … 2000 mm, a valid budget.
   RobotLink(RobotLinkConfig config, std::size_t carrier_overhead_bytes);
 
   EvidenceSender& evidence() { return evidence_; }
@@ -92,6 +100,7 @@ class RobotLink {
   [[nodiscard]] const std::optional<Error>& rejected() const { return rejected_; }
   [[nodiscard]] const LinkCounters& counters() const { return counters_; }
   [[nodiscard]] std::optional<Duration> round_trip() const;
+  [[nodiscard]] const Budget& budget() const { return budget_; }
 
  private:
   enum class Phase { hello, connected, rejected };
@@ -113,10 +122,15 @@ class RobotLink {
   std::optional<std::vector<std::uint8_t>> hello_frame(MonotonicTime now);
   std::optional<std::vector<std::uint8_t>> session_frame(MonotonicTime now);
   [[nodiscard]] bool silent_too_long(MonotonicTime now) const;
+  /// Requires: a pose waits.
+  [[nodiscard]] MonotonicTime pose_due(MonotonicTime now) const;
   [[nodiscard]] bool pose_is_due(MonotonicTime now) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
-  [[nodiscard]] bool evidence_may_go() const;
+  [[nodiscard]] bool evidence_waits() const;
+  [[nodiscard]] bool evidence_may_go(MonotonicTime now) const;
   void open_round_if_due(MonotonicTime now);
+  void acknowledge_by(MonotonicTime due);
+  void give_up_late_frames(MonotonicTime now);
   std::vector<std::uint8_t> finish(FrameWriter&& frame);
 
   RobotLinkConfig config_;
@@ -133,8 +147,10 @@ class RobotLink {
   std::deque<std::uint32_t> left_sessions_;  ///< [Limit: ≤ kMaxLeftSessions]
   std::optional<std::uint64_t> epoch_;
   Flight flight_;
+  Budget budget_;
   AckLog received_;
   std::optional<MonotonicTime> ack_due_;
+  int map_unacked_ = 0;  ///< [frames] Of map, since the last acknowledgement.
   std::optional<MonotonicTime> heard_at_;
   std::optional<MonotonicTime> unanswered_since_;
 
@@ -144,7 +160,8 @@ class RobotLink {
   MapInbox map_;
   std::vector<MapUpdate> map_updates_;
   std::optional<PoseReport> pose_;  ///< Not sent yet.
-  MonotonicTime pose_due_{};
+  std::optional<PoseReport> told_;  ///< Sent last in this session.
+  MonotonicTime told_at_{};
   bool round_open_ = false;  ///< Evidence is being sent.
   MonotonicTime round_due_{};
   LinkCounters counters_;

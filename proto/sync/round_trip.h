@@ -24,9 +24,11 @@ class RoundTrip {
   [[nodiscard]] std::optional<Duration> smoothed() const { return smoothed_; }
   /// How long to wait for an acknowledgement before a frame counts as lost.
   [[nodiscard]] Duration timeout() const {
-    if (!smoothed_) return std::chrono::seconds(1);
+    if (!smoothed_) return kFirstTimeout;
     return std::clamp(*smoothed_ + 4 * variation_, kMinTimeout, kMaxTimeout);
   }
+  /// A long frame alone takes a second at 9.6 kbit/s.
+  static constexpr Duration kFirstTimeout = std::chrono::milliseconds(2500);
   static constexpr Duration kMinTimeout = std::chrono::milliseconds(60);
   static constexpr Duration kMaxTimeout = std::chrono::seconds(30);
 

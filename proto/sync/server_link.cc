@@ -19,10 +19,12 @@ bool same_block(const Refusal& a, const Refusal& b) {
 }  // namespace
 
 ServerLink::ServerLink(std::uint32_t session, const Hello& hello, std::uint64_t epoch,
-                       std::size_t carrier_overhead_bytes, MonotonicTime now)
+                       std::size_t carrier_overhead_bytes, MonotonicTime now,
+                       const BudgetConfig& budget)
     : welcome_{.session = session, .boot = hello.boot, .epoch = epoch},
       robot_(hello.robot),
       overhead_bytes_(carrier_overhead_bytes),
+      budget_(budget),
       heard_at_(now),
       stamp_{.clock_ms = hello.clock_ms, .at = now} {
   assert(session != 0);
@@ -36,8 +38,7 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
                                                     MonotonicTime now) {
   assert(frame.header.session == session());
   const std::uint32_t number = frame.header.number;
-  ++counters_.frames_received;
-  counters_.bytes_received += size_bytes + overhead_bytes_;
+  count(frame, size_bytes + overhead_bytes_);
   heard_at_ = now;
   if (received_.is_done(number)) {
     if (done_.is_done(number)) acknowledge_by(now + RobotLink::kAckDelay);
@@ -83,8 +84,33 @@ bool ServerLink::read_patches(const Frame& frame, std::vector<BlockUpdate>& bloc
   return true;
 }
 
+void ServerLink::count(const Frame& frame, std::size_t bytes) {
+  ++counters_.frames_received;
+  counters_.bytes_received += bytes;
+  Traffic kind = Traffic::control;
+  for (const Record& record : frame.records) {
+    if (std::holds_alternative<PoseReport>(record)) kind = std::max(kind, Traffic::pose);
+    if (std::holds_alternative<SubmapHead>(record) ||
+        std::holds_alternative<EvidencePatch>(record)) {
+      kind = Traffic::map;
+    }
+  }
+  counters_.received_bytes[static_cast<std::size_t>(kind)] += bytes;
+  // A gap counts as missed until what is missing comes after all.
+  const std::uint32_t number = frame.header.number;
+  if (number > highest_number_) {
+    counters_.frames_missed += number - highest_number_ - 1;
+    highest_number_ = number;
+  } else if (!received_.is_done(number) && counters_.frames_missed > 0) {
+    --counters_.frames_missed;
+  }
+}
+
 void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
   const Flight::News news = flight_.on_ack(ack, now);
+  if (news.round_trip) budget_.on_round_trip(*news.round_trip, news.newest, now);
+  budget_.on_fate(news.acked.size(), news.lost.size());
+  counters_.frames_lost -= news.found_again;
   for (const std::uint32_t number : news.acked) {
     orders_.on_acked(number);
     map_.on_acked(number);
@@ -118,7 +144,8 @@ bool ServerLink::take(const CommandReport& report, std::uint32_t number) {
 
 void ServerLink::durable(std::uint32_t number) {
   done_.done(number);
-  acknowledge_by(heard_at_ + RobotLink::kAckDelay);
+  const bool many = ++durable_unacked_ >= RobotLink::kMostMapUnacked;
+  acknowledge_by(many ? heard_at_ : heard_at_ + RobotLink::kMapAckDelay);
 }
 
 void ServerLink::refuse(const Refusal& refusal) {
@@ -153,10 +180,20 @@ void ServerLink::acknowledge_by(MonotonicTime due) {
 // ---- What is sent -------------------------------------------------------------------------------
 
 std::optional<std::vector<std::uint8_t>> ServerLink::next_frame(MonotonicTime now) {
-  lost(flight_.on_time(now));
+  give_up_late_frames(now);
   orders_.ask_again_if_due(now);
+  if (map_waits()) (void)budget_.may_send(Traffic::map, now);
   if (!something_is_due(now)) return std::nullopt;
   return session_frame(now);
+}
+
+void ServerLink::give_up_late_frames(MonotonicTime now) {
+  const int timeouts = flight_.timeouts();
+  const auto late = flight_.on_time(now);
+  budget_.on_fate(0, late.size());
+  // A timeout is a lost packet among few; three in a row are silence.
+  if (flight_.timeouts() > std::max(timeouts, 2)) budget_.on_silence();
+  lost(late);
 }
 
 std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
@@ -167,22 +204,34 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   if (welcome_due_) {
     // Alone, so that it is short enough to ride on a carrier's own answer to the robot.
     welcome_due_ = !frame.add(welcome_);
-    return finish(std::move(frame));
+    return finish(std::move(frame), Traffic::control, std::nullopt, now);
   }
   const bool command =
       orders_.fill_command(frame, number, in_robot_clock(orders_.expires_at()), now);
-  if (ack_due_ && frame.add(done_.ack())) ack_due_.reset();
-  const bool parts = orders_.fill_parts(frame, number);
-  add_refusals(frame);
-  if (ground_lost_ && frame.add(*ground_lost_)) ground_lost_.reset();
-  const bool map = map_may_go() && map_.fill(frame, number) > 0;
-  if (command || parts || map) flight_.sent(number, map, now);
-  return finish(std::move(frame));
+  if (ack_due_ && frame.add(done_.ack())) {
+    ack_due_.reset();
+    durable_unacked_ = 0;
+  }
+  // Short, and somebody waits for it.
+  if (command) return finish(std::move(frame), Traffic::control, Flight::Load::urgent, now);
+  const bool details = detail_may_go(now);
+  const bool parts = details && orders_.fill_parts(frame, number);
+  if (details) add_refusals(frame);
+  if (details && ground_lost_ && frame.add(*ground_lost_)) ground_lost_.reset();
+  const bool map = map_may_go(now) && map_.fill(frame, number) > 0;
+  if (map) return finish(std::move(frame), Traffic::map, Flight::Load::evidence, now);
+  if (parts) return finish(std::move(frame), Traffic::pose, Flight::Load::other, now);
+  return finish(std::move(frame), details ? Traffic::pose : Traffic::control, std::nullopt, now);
 }
 
-std::vector<std::uint8_t> ServerLink::finish(FrameWriter&& frame) {
+std::vector<std::uint8_t> ServerLink::finish(FrameWriter&& frame, Traffic kind,
+                                             std::optional<Flight::Load> eliciting,
+                                             MonotonicTime now) {
+  const std::size_t bytes = frame.size_bytes() + overhead_bytes_;
   ++counters_.frames_sent;
-  counters_.bytes_sent += frame.size_bytes() + overhead_bytes_;
+  counters_.bytes_sent += bytes;
+  budget_.sent(kind, bytes, now);
+  if (eliciting) flight_.sent(flight_.last_number(), *eliciting, {bytes, budget_.total()}, now);
   return std::move(frame).finish();
 }
 
@@ -202,16 +251,25 @@ std::uint64_t ServerLink::in_robot_clock(MonotonicTime time) const {
   return before > stamp_.clock_ms ? 0 : stamp_.clock_ms - before;
 }
 
+bool ServerLink::map_may_go(MonotonicTime now) const {
+  return map_waits() && budget_.due(Traffic::map, now) <= now;
+}
+
+bool ServerLink::detail_may_go(MonotonicTime now) const {
+  return detail_waits() && budget_.due(Traffic::pose, now) <= now;
+}
+
 bool ServerLink::something_is_due(MonotonicTime now) const {
   const bool ack = ack_due_ && now >= *ack_due_;
-  return welcome_due_ || ack || orders_.has_news() || !refusals_.empty() || ground_lost_ ||
-         map_may_go();
+  return welcome_due_ || ack || orders_.record_waits() || detail_may_go(now) || map_may_go(now);
 }
 
 MonotonicTime ServerLink::next_due(MonotonicTime now) const {
   if (something_is_due(now)) return now;
   MonotonicTime due = now + RobotLink::kNothingDue;
   if (ack_due_) due = std::min(due, *ack_due_);
+  if (detail_waits()) due = std::min(due, budget_.due(Traffic::pose, now));
+  if (map_waits()) due = std::min(due, budget_.due(Traffic::map, now));
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (const auto ask = orders_.ask_due()) due = std::min(due, *ask);
   return std::max(now, due);

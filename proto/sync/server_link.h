@@ -12,6 +12,7 @@
 #include "core/common/time.h"
 #include "proto/codec/frame.h"
 #include "proto/sync/ack_log.h"
+#include "proto/sync/budget.h"
 #include "proto/sync/flight.h"
 #include "proto/sync/map_sender.h"
 #include "proto/sync/order_sender.h"
@@ -29,9 +30,10 @@ class ServerLink {
   static constexpr Duration kLazyAckDelay = std::chrono::seconds(1);
   static constexpr std::size_t kMaxRefusals = 256;  ///< Waiting; more are dropped, it asks again.
 
-  /// Requires: session ≠ 0, never used before for this robot's boot.
+  /// Requires: session ≠ 0, never used before for this robot's boot; a valid budget.
   ServerLink(std::uint32_t session, const Hello& hello, std::uint64_t epoch,
-             std::size_t carrier_overhead_bytes, MonotonicTime now);
+             std::size_t carrier_overhead_bytes, MonotonicTime now,
+             const BudgetConfig& budget = {});
 
   /// Evidence of one frame, in the order it stood there: heads and blocks.
   struct Evidence {
@@ -76,6 +78,9 @@ class ServerLink {
   [[nodiscard]] Duration silence(MonotonicTime now) const { return now - heard_at_; }
   [[nodiscard]] const LinkCounters& counters() const { return counters_; }
   [[nodiscard]] std::optional<Duration> round_trip() const;
+  [[nodiscard]] const Budget& budget() const { return budget_; }
+  /// [bytes] Sent and not acknowledged yet.
+  [[nodiscard]] std::size_t bytes_under_way() const { return flight_.bytes_under_way(); }
 
  private:
   struct Stamp {
@@ -93,11 +98,21 @@ class ServerLink {
   bool take(const PoseReport& pose, MonotonicTime now);
   bool take(const CommandReport& report, std::uint32_t number);
   void acknowledge_by(MonotonicTime due);
+  void count(const Frame& frame, std::size_t bytes);
   [[nodiscard]] std::uint64_t in_robot_clock(MonotonicTime time) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
-  [[nodiscard]] bool map_may_go() const { return map_.has_news() && flight_.evidence_may_go(); }
+  [[nodiscard]] bool map_waits() const { return map_.has_news() && flight_.evidence_may_go(); }
+  [[nodiscard]] bool map_may_go(MonotonicTime now) const;
+  /// The parts of a path, and refusals: paced, but before the map.
+  [[nodiscard]] bool detail_waits() const {
+    return orders_.has_news() || !refusals_.empty() || ground_lost_;
+  }
+  [[nodiscard]] bool detail_may_go(MonotonicTime now) const;
+  void give_up_late_frames(MonotonicTime now);
   std::vector<std::uint8_t> session_frame(MonotonicTime now);
-  std::vector<std::uint8_t> finish(FrameWriter&& frame);
+  /// `eliciting`: what kind of frame under way it is, if it asks for an acknowledgement.
+  std::vector<std::uint8_t> finish(FrameWriter&& frame, Traffic kind,
+                                   std::optional<Flight::Load> eliciting, MonotonicTime now);
   void add_refusals(FrameWriter& frame);
   void lost(const std::vector<std::uint32_t>& numbers);
 
@@ -105,10 +120,13 @@ class ServerLink {
   std::string robot_;
   std::size_t overhead_bytes_;
   bool welcome_due_ = true;
-  Flight flight_{Flight::kFirstWindow};
+  Flight flight_;
+  Budget budget_;
   AckLog received_;
   AckLog done_;
   std::optional<MonotonicTime> ack_due_;
+  int durable_unacked_ = 0;  ///< [frames] Since the last acknowledgement.
+  std::uint32_t highest_number_ = 0;
   MonotonicTime heard_at_;
 
   Stamp stamp_;

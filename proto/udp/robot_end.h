@@ -22,7 +22,7 @@ class UdpRobotEnd {
   /// Wait for an answer before any round trip was measured; grows by half with each try.
   static constexpr Duration kFirstWait = std::chrono::seconds(1);
   static constexpr Duration kLeastWait = std::chrono::milliseconds(250);
-  static constexpr Duration kMostWait = std::chrono::seconds(5);
+  static constexpr Duration kMostWait = std::chrono::seconds(3);
   /// After this long without an answer, tries come less often, so that an empty air stays cheap.
   static constexpr Duration kHopeful = std::chrono::minutes(2);
   static constexpr Duration kPatientWait = std::chrono::seconds(15);

@@ -13,10 +13,12 @@ namespace cairn::server {
 
 namespace asio = boost::asio;
 
-Hub::Hub(Strand strand, std::vector<std::unique_ptr<proto::Carrier>> carriers, Listener listener)
+Hub::Hub(Strand strand, std::vector<std::unique_ptr<proto::Carrier>> carriers, Listener listener,
+         const proto::BudgetConfig& budget)
     : strand_(std::move(strand)),
       carriers_(std::move(carriers)),
       listener_(std::move(listener)),
+      budget_(budget),
       timer_(strand_) {}
 
 MonotonicTime Hub::now() {
@@ -111,20 +113,34 @@ std::optional<proto::Reject> Hub::refuse(std::size_t carrier, const std::string&
                               "--cell-mm {}",
                               hello.site, cell, hello.cell_size_mm, cell));
   }
-  const Robot* known = find(hello.robot);
+  Robot* known = find(hello.robot);
   if (known == nullptr && robots_.size() >= kMaxRobots) {
     return reject(proto::RejectReason::server_full,
                   fmt::format("the server already knows {} robots, its limit", kMaxRobots));
   }
-  // A session in which nothing was ever said may have been begun by a Hello of long ago.
   if (known != nullptr && known->link && known->link->boot() != hello.boot &&
-      known->link->counters().frames_received > 0 && known->link->silence(now()) < kPresence) {
+      keeps_its_id(*known)) {
     return reject(proto::RejectReason::robot_id_in_use,
                   fmt::format("robot id '{}' is in use by a running agent: give this one another "
                               "--robot",
                               hello.robot));
   }
   return std::nullopt;
+}
+
+bool Hub::keeps_its_id(Robot& robot) {
+  // A session in which nothing was ever said may have been begun by a Hello of long ago.
+  if (robot.link->counters().frames_received == 0) return false;
+  const MonotonicTime time = now();
+  const Duration silence = robot.link->silence(time);
+  if (silence < Robot::kPresence) return true;
+  if (!robot.present(time)) return false;
+  if (!robot.probed_at || *robot.probed_at < time - silence) {
+    robot.probed_at = time;
+    robot.link->welcome_again();
+    pump(robot);
+  }
+  return time - *robot.probed_at < Robot::kProbeWait;
 }
 
 void Hub::take_hello(std::size_t carrier, const std::string& peer, const proto::Hello& hello) {
@@ -156,9 +172,11 @@ void Hub::open_session(std::size_t carrier, const std::string& peer, const proto
   robot.carrier = carrier;
   robot.peer = peer;
   robot.pose_of_session = false;
+  robot.probed_at.reset();
   robot.site = std::move(site);
-  robot.link = std::make_unique<proto::ServerLink>(session, hello, robot.site->info().epoch,
-                                                   carriers_[carrier]->overhead_bytes(), now());
+  robot.link =
+      std::make_unique<proto::ServerLink>(session, hello, robot.site->info().epoch,
+                                          carriers_[carrier]->overhead_bytes(), now(), budget_);
   robot.downlink = {};
   spdlog::info("robot {}: session on site {}", robot.id, hello.site);
   listener_.connected(robot);
@@ -168,6 +186,7 @@ void Hub::open_session(std::size_t carrier, const std::string& peer, const proto
 void Hub::take_events(Robot& robot, std::vector<proto::ServerLink::Event> events) {
   for (proto::ServerLink::Event& event : events) {
     if (const auto* pose = std::get_if<proto::PoseReport>(&event)) {
+      if (!robot.pose_of_session) spdlog::info("robot {}: first pose", robot.id);
       robot.take_pose(*pose, now());
     } else if (const auto* report = std::get_if<proto::CommandReport>(&event)) {
       listener_.reported(robot, *report);
@@ -249,7 +268,7 @@ void Hub::tell_of_map(Robot& robot) {
 void Hub::tick() {
   if (!running_) return;
   for (auto& [id, robot] : robots_) {
-    if (robot.link && robot.link->silence(now()) < kPresence) tell_of_map(robot);
+    if (robot.link && robot.present(now())) tell_of_map(robot);
     if (robot.link && robot.link->next_due(now()) <= now()) pump(robot);
   }
   timer_.expires_after(kTick);

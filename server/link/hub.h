@@ -35,7 +35,9 @@ class Hub : public std::enable_shared_from_this<Hub> {
     std::function<std::shared_ptr<Site>(const std::string&)> site_named;
   };
 
-  Hub(Strand strand, std::vector<std::unique_ptr<proto::Carrier>> carriers, Listener listener);
+  /// `budget`: of each robot's way down.
+  Hub(Strand strand, std::vector<std::unique_ptr<proto::Carrier>> carriers, Listener listener,
+      const proto::BudgetConfig& budget = {});
 
   /// Begins to receive and send.
   void start();
@@ -53,8 +55,6 @@ class Hub : public std::enable_shared_from_this<Hub> {
 
   /// [robots] Known at once.
   static constexpr std::size_t kMaxRobots = 256;
-  /// A robot that was heard this recently keeps its id against a newcomer.
-  static constexpr Duration kPresence = std::chrono::seconds(5);
   /// How often every session is asked for what is due.
   static constexpr std::chrono::milliseconds kTick{15};
   /// [frames] Received and not yet handled; beyond it frames are dropped, as a full socket would.
@@ -66,6 +66,8 @@ class Hub : public std::enable_shared_from_this<Hub> {
   void take_hello(std::size_t carrier, const std::string& peer, const proto::Hello& hello);
   std::optional<proto::Reject> refuse(std::size_t carrier, const std::string& peer,
                                       const proto::Hello& hello, const std::shared_ptr<Site>& site);
+  /// Whether the robot is there and keeps its id against a newcomer. One that only stands is asked.
+  bool keeps_its_id(Robot& robot);
   void open_session(std::size_t carrier, const std::string& peer, const proto::Hello& hello,
                     std::shared_ptr<Site> site);
   void take_events(Robot& robot, std::vector<proto::ServerLink::Event> events);
@@ -81,6 +83,7 @@ class Hub : public std::enable_shared_from_this<Hub> {
   Strand strand_;
   std::vector<std::unique_ptr<proto::Carrier>> carriers_;
   Listener listener_;
+  proto::BudgetConfig budget_;
   boost::asio::steady_timer timer_;
   std::map<std::string, Robot> robots_;
   std::unordered_map<std::uint32_t, std::string> sessions_;  ///< session → robot id

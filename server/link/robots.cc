@@ -32,18 +32,35 @@ const char* name_of(proto::Localization state) {
   return "lost";
 }
 
+api::TrafficJson by_kind(const proto::TrafficBytes& bytes) {
+  const auto of = [&](proto::Traffic kind) { return bytes[static_cast<std::size_t>(kind)]; };
+  return {of(proto::Traffic::control), of(proto::Traffic::pose), of(proto::Traffic::map)};
+}
+
+double share(std::uint64_t missed, std::uint64_t received) {
+  return missed == 0 ? 0.0 : static_cast<double>(missed) / static_cast<double>(missed + received);
+}
+
 api::LinkJson describe_link(const Robot& robot, MonotonicTime now) {
   api::LinkJson link;
   if (!robot.link) return link;
   const proto::LinkCounters& counters = robot.link->counters();
   link.silence_s = to_seconds(robot.link->silence(now));
-  link.connected = link.silence_s < 5.0;
+  link.connected = robot.present(now);
   link.round_trip_s = to_seconds(robot.link->round_trip().value_or(Duration{}));
   link.bytes_up = counters.bytes_received;
   link.bytes_down = counters.bytes_sent;
-  link.frames_lost = counters.frames_lost;
+  link.frames_lost = counters.frames_missed;
+  link.frames_down_lost = counters.frames_lost;
+  link.loss_up = share(counters.frames_missed, counters.frames_received);
+  link.loss_down = robot.link->budget().loss();
+  link.budget_down_bit_s = robot.link->budget().rate_bit_s();
+  link.unacknowledged_bytes = robot.link->bytes_under_way();
+  link.up = by_kind(counters.received_bytes);
+  link.down = by_kind(robot.link->budget().sent_bytes());
   link.frames_malformed = robot.frames_malformed;
   if (robot.pose) link.backlog_blocks = robot.pose->backlog_blocks;
+  link.queue_s = to_seconds(robot.link->budget().queue());
   return link;
 }
 

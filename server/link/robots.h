@@ -25,14 +25,27 @@ struct Robot {
   std::optional<proto::PoseReport> pose;    ///< Newest by the robot's own clock.
   bool pose_of_session = false;  ///< It came in the present session, so its clock can be compared.
   MonotonicTime pose_received{};
-  std::uint64_t frames_malformed = 0;  ///< Bytes in its name that are no frame.
-  std::deque<api::PointJson> track;    ///< Where it was, newest last.
+  std::optional<MonotonicTime> probed_at;  ///< When it was last asked whether it is there.
+  std::uint64_t frames_malformed = 0;      ///< Bytes in its name that are no frame.
+  std::deque<api::PointJson> track;        ///< Where it was, newest last.
 
   /// [points] Beyond it the oldest are forgotten.
   static constexpr std::size_t kMaxTrack = 20'000;
   /// [m] Points of the track are this far apart.
   static constexpr double kTrackSpacing = 0.1;
+  /// A robot that was heard this recently is there …
+  static constexpr Duration kPresence = std::chrono::seconds(5);
+  /// … and one that stands, and has nothing to tell, this recently: it may have been lost once.
+  static constexpr Duration kQuietPresence = std::chrono::seconds(45);
+  /// Time for a robot that stands to answer whether it is there.
+  static constexpr Duration kProbeWait = std::chrono::seconds(3);
 
+  /// It stands and said so: it speaks rarely.
+  [[nodiscard]] bool stands() const { return pose_of_session && pose->speed_mm_s == 0; }
+  /// Requires: a link.
+  [[nodiscard]] bool present(MonotonicTime now) const {
+    return link->silence(now) < (stands() ? kQuietPresence : kPresence);
+  }
   void take_pose(const proto::PoseReport& report, MonotonicTime now);
   [[nodiscard]] double x_m() const { return pose ? pose->T_site_robot.x_mm / 1000.0 : 0.0; }
   [[nodiscard]] double y_m() const { return pose ? pose->T_site_robot.y_mm / 1000.0 : 0.0; }

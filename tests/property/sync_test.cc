@@ -69,8 +69,14 @@ TEST(SyncProperty, AnIdleLinkCarriesPosesAndTheirLazyAcksAlone) {
     world.run_until(world.now + seconds(5));
     const std::uint64_t before = world.frames();
     world.run_until(world.now + seconds(60));
-    EXPECT_LE(world.frames() - before, 60U * 3U + 2U);  // Two poses, one acknowledgement a second.
-    EXPECT_GE(world.frames() - before, 60U * 2U);
+    EXPECT_LE(world.frames() - before, 60U * 2U + 2U);  // A pose, an acknowledgement a second.
+    EXPECT_GE(world.frames() - before, 60U);
+    world.moving = false;
+    world.run_until(world.now + seconds(20));
+    const std::uint64_t standing = world.frames();
+    world.run_until(world.now + seconds(60));
+    EXPECT_LE(world.frames() - standing, 3U * 2U + 2U);
+    EXPECT_GE(world.frames() - standing, 3U);
   }
 }
 

@@ -165,7 +165,8 @@ class SyncWorld {
   RobotLink robot;
   MonotonicTime now = seconds(100);  ///< Not zero: the robot's clock runs since its start.
   std::vector<RobotLink::Order> orders;
-  bool posing = true;  ///< The robot tells its pose, as agents do.
+  bool posing = true;  ///< The robot tells its pose, as agents do …
+  bool moving = true;  ///< … and moves.
 
   void run_until(MonotonicTime end) {
     while (now < end) {
@@ -198,6 +199,7 @@ class SyncWorld {
   void tell_pose() {
     PoseReport pose;
     pose.clock_ms = static_cast<std::uint64_t>(now / milliseconds(1));
+    if (moving) pose.T_site_robot.x_mm = static_cast<std::int32_t>(pose.clock_ms);
     robot.set_pose(pose);
   }
   [[nodiscard]] MonotonicTime next_event() const {

@@ -45,10 +45,25 @@ TEST(LinkText, GivesTheRateBetweenTwoLooks) {
   robot.link.connected = true;
   const api::StatusReply before{"0.1.0", 10, {}, {robot}};
   robot.link.bytes_up = 1000;
+  robot.link.up.map_bytes = 750;
   robot.link.frames_lost = 1234;
+  robot.link.loss_up = 0.21;
   const auto text = link_text(before, {"0.1.0", 12, {}, {robot}});
-  EXPECT_THAT(text, HasSubstr("4.00 kbit/s"));
+  EXPECT_THAT(text, HasSubstr("4.00"));
+  EXPECT_THAT(text, HasSubstr("3.00"));
+  EXPECT_THAT(text, HasSubstr("21 %"));
   EXPECT_THAT(text, HasSubstr("1,234 frames"));
+}
+
+TEST(LinkText, TellsHowLongTheRestWillTakeAtTheLatestPace) {
+  api::RobotJson robot;
+  robot.id = "r1";
+  robot.link.backlog_blocks = 90;
+  const api::StatusReply before{"0.1.0", 10, {}, {robot}};
+  robot.link.backlog_blocks = 60;
+  EXPECT_THAT(link_text(before, {"0.1.0", 12, {}, {robot}}), HasSubstr("in 4.0 s"));
+  robot.link.backlog_blocks = 0;
+  EXPECT_THAT(link_text(before, {"0.1.0", 12, {}, {robot}}), HasSubstr("now"));
 }
 
 TEST(PlanText, GivesTheReasonWhenThereIsNoWay) {

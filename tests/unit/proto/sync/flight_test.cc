@@ -14,10 +14,10 @@ class FlightTest : public ::testing::Test {
   void send(int frames, MonotonicTime now = {}) {
     for (int i = 0; i < frames; ++i) {
       const std::uint32_t number = flight.next_number(out_of_reach);
-      flight.sent(number, true, now);
+      flight.sent(number, Flight::Load::evidence, {100, 100}, now);
     }
   }
-  Flight flight{48};
+  Flight flight;
   Numbers out_of_reach;
 };
 
@@ -48,13 +48,15 @@ TEST_F(FlightTest, AFrameJudgedLostTooEarlyIsStillAcknowledged) {
 
 TEST_F(FlightTest, SilenceLosesFramesWithGrowingPatience) {
   send(1);
-  EXPECT_EQ(*flight.due(), seconds(1));
-  EXPECT_TRUE(flight.on_time(milliseconds(999)).empty());
-  EXPECT_EQ(flight.on_time(seconds(1)), Numbers{1});
+  const MonotonicTime first = RoundTrip::kFirstTimeout;
+  EXPECT_EQ(*flight.due(), first);
+  EXPECT_TRUE(flight.on_time(first - milliseconds(1)).empty());
+  EXPECT_EQ(flight.on_time(first), Numbers{1});
   EXPECT_FALSE(flight.due());
-  send(1, seconds(1));
-  EXPECT_EQ(*flight.due(), seconds(3));
-  EXPECT_EQ(flight.on_time(seconds(3)), Numbers{2});
+  send(1, first);
+  EXPECT_EQ(*flight.due(), 3 * first);
+  EXPECT_EQ(flight.on_time(3 * first), Numbers{2});
+  EXPECT_EQ(flight.timeouts(), 2);
   for (int i = 0; i < 20; ++i) {
     send(1, seconds(1000 * i));
     EXPECT_LE(*flight.due() - seconds(1000 * i), RoundTrip::kMaxTimeout);
@@ -64,26 +66,54 @@ TEST_F(FlightTest, SilenceLosesFramesWithGrowingPatience) {
 
 TEST_F(FlightTest, AnAcknowledgementRestoresPatience) {
   send(1);
-  (void)flight.on_time(seconds(1));
-  EXPECT_EQ(flight.patience(), seconds(2));
-  send(1, seconds(1));
-  (void)flight.on_ack({2, 0}, seconds(1) + milliseconds(100));
+  (void)flight.on_time(seconds(3));
+  EXPECT_EQ(flight.patience(), 2 * RoundTrip::kFirstTimeout);
+  send(1, seconds(3));
+  (void)flight.on_ack({2, 0}, seconds(3) + milliseconds(100));
   EXPECT_LT(flight.patience(), seconds(1));
 }
 
-TEST_F(FlightTest, TheWindowGrowsWithAcknowledgementsAndHalvesOnSilence) {
-  send(Flight::kFirstWindow);
-  EXPECT_FALSE(flight.evidence_may_go());
-  (void)flight.on_ack({8, 0}, milliseconds(10));
-  send(15);
-  EXPECT_TRUE(flight.evidence_may_go());
+TEST_F(FlightTest, EverLessIsSaidIntoSilence) {
+  MonotonicTime now{};
+  send(1, now);
+  for (const int window : {8, 4, 2, 1, 1, 1}) {
+    now += RoundTrip::kMaxTimeout + seconds(1);
+    ASSERT_FALSE(flight.on_time(now).empty());
+    send(window - 1, now);
+    EXPECT_TRUE(flight.evidence_may_go());
+    send(1, now);
+    EXPECT_FALSE(flight.evidence_may_go());
+  }
+}
+
+TEST_F(FlightTest, AnUrgentFrameIsGivenUpEarlyAFewTimesAndDoesNotCountAsSilence) {
   send(1);
-  EXPECT_FALSE(flight.evidence_may_go());
-  (void)flight.on_time(seconds(10));  // 16 → 8
-  send(7, seconds(10));
-  EXPECT_TRUE(flight.evidence_may_go());
-  send(1, seconds(10));
-  EXPECT_FALSE(flight.evidence_may_go());
+  (void)flight.on_ack({1, 0}, milliseconds(600));
+  MonotonicTime now = seconds(1);
+  for (int i = 0; i < Flight::kUrgentTries; ++i) {
+    const std::uint32_t number = flight.next_number(out_of_reach);
+    flight.sent(number, Flight::Load::urgent, {100, 100}, now);
+    EXPECT_EQ(*flight.due(), now + milliseconds(360));
+    now += milliseconds(360);
+    EXPECT_EQ(flight.on_time(now), Numbers{number});
+    EXPECT_EQ(flight.timeouts(), 0);
+  }
+  const std::uint32_t number = flight.next_number(out_of_reach);
+  flight.sent(number, Flight::Load::urgent, {100, 100}, now);
+  EXPECT_EQ(*flight.due(), now + flight.patience());
+  const auto news = flight.on_ack({number - 1, 0}, now);
+  EXPECT_EQ(news.found_again, 5U) << "they had only been slow";
+}
+
+TEST_F(FlightTest, TellsTheRoundTripOfTheNewestFrameAndItsLength) {
+  flight.sent(flight.next_number(out_of_reach), Flight::Load::evidence, {900, 900}, seconds(1));
+  flight.sent(flight.next_number(out_of_reach), Flight::Load::other, {70, 970}, seconds(2));
+  EXPECT_EQ(flight.bytes_under_way(), 970U);
+  const auto news = flight.on_ack({2, 0}, seconds(3));
+  EXPECT_EQ(news.round_trip, seconds(1));
+  EXPECT_EQ(news.newest.bytes, 70U);
+  EXPECT_EQ(news.newest.total, 970U);
+  EXPECT_EQ(flight.bytes_under_way(), 0U);
 }
 
 TEST_F(FlightTest, EvidenceWaitsBeforeItsOldestFrameComesOutOfReach) {
