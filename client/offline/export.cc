@@ -11,7 +11,6 @@ namespace cairn::offline {
 
 namespace {
 
-using map_files::ClassRaster;
 using map_files::HeightRaster;
 using map_files::MapFileKind;
 using map_files::RasterFrame;

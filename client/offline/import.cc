@@ -182,7 +182,7 @@ class Importer {
       update.sequence = sequence_;
       update.key = {EvidenceLayer::surface, key, block};
       update.version = 1;
-      evidence_.blocks.push_back(std::move(update));
+      evidence_.blocks.push_back(update);
     }
   }
 
@@ -217,7 +217,7 @@ class Importer {
   Status commit() {
     staged_blocks_ = 0;
     if (!world_.has_staged()) return {};
-    const Status written = world_.commit();
+    Status written = world_.commit();
     world_.take_merged();  // There is no pose graph here that wants their surfaces.
     return written;
   }

@@ -20,8 +20,9 @@ std::string points_of(const TileKey& key, const Tile& tile, double cell_m,
   std::string bytes;
   for (int i = 0; i < Tile::kCells; ++i) {
     if (!tile.known(i)) continue;
+    const int row_in_tile = i / Tile::kSize;
     const double column = key.tx * double{Tile::kSize} + i % Tile::kSize;
-    const double row = key.ty * double{Tile::kSize} + i / Tile::kSize;
+    const double row = key.ty * double{Tile::kSize} + row_in_tile;
     put(bytes, (column + 0.5) * cell_m + offset.x_m);
     put(bytes, (row + 0.5) * cell_m + offset.y_m);
     put(bytes, tile.height_mm(i) / 1000.0);

@@ -25,7 +25,7 @@ constexpr auto make_stretch(const std::array<std::uint16_t, 2 * kLogitLimit + 1>
   std::array<std::int16_t, kStretchSteps> table{};
   std::size_t at = 0;
   for (std::size_t step = 0; step < kStretchSteps; ++step) {
-    while (at < 2 * kLogitLimit && squashed[at] < step * 16 + 8) ++at;
+    while (at + 1 < squashed.size() && squashed[at] < step * 16 + 8) ++at;
     table[step] = static_cast<std::int16_t>(static_cast<int>(at) - kLogitLimit);
   }
   return table;

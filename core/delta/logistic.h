@@ -23,8 +23,8 @@ extern const std::array<std::int16_t, kStretchSteps> kStretch;
 
 /// The probability [1/65536] of these log odds [1/256 nat]; beyond the limit it is the limit's.
 [[nodiscard]] inline int squash(int logit) {
-  const int held = std::clamp(logit, -kLogitLimit, kLogitLimit);
-  return logistic::kSquash[static_cast<std::size_t>(held + kLogitLimit)];
+  const int at = std::clamp(logit, -kLogitLimit, kLogitLimit) + kLogitLimit;
+  return logistic::kSquash[static_cast<std::size_t>(at)];
 }
 
 /// The log odds [1/256 nat] of a probability [1/65536]. Requires: 0 ≤ probability < 65536.

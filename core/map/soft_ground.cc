@@ -11,7 +11,8 @@ class RowWindow {
  public:
   RowWindow(const HeightGrid& grid, int reach)
       : grid_(grid), margin_(reach), rows_(static_cast<std::size_t>(2 * reach + 1)) {
-    const auto length = static_cast<std::size_t>(grid.width + 2 * margin_);
+    const auto length =
+        static_cast<std::size_t>(grid.width) + 2 * static_cast<std::size_t>(margin_);
     for (auto& row : rows_) row.assign(length, SoftRow::kNoHeight);
     outside_.assign(length, SoftRow::kNoHeight);
   }
@@ -60,13 +61,13 @@ void assess(const HeightGrid& grid, const VehicleLimits& limits, const SoftLimit
   for (int y = 0; y < grid.height; ++y) {
     window.read(y + reach);
     const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width);
-    kernels.row({window.row(y - 1), window.row(y), window.row(y + 1), window.row(y - reach),
-                 window.row(y + reach), grid.probability.data() + at, grid.width, reach,
-                 std::max({limits.climb_mm, limits.descend_mm, 0}),
-                 static_cast<float>(soft.sigma_mm),
-                 static_cast<std::int32_t>(std::lround(409600.0 / (2.0 * reach * grid.cell_size_mm))),
-                 ground.classes.data() + at, ground.obstacle.data() + at,
-                 ground.roughness_mm.data() + at, ground.slope_percent.data() + at});
+    kernels.row(
+        {window.row(y - 1), window.row(y), window.row(y + 1), window.row(y - reach),
+         window.row(y + reach), grid.probability.data() + at, grid.width, reach,
+         std::max({limits.climb_mm, limits.descend_mm, 0}), static_cast<float>(soft.sigma_mm),
+         static_cast<std::int32_t>(std::lround(409600.0 / (2.0 * reach * grid.cell_size_mm))),
+         ground.classes.data() + at, ground.obstacle.data() + at, ground.roughness_mm.data() + at,
+         ground.slope_percent.data() + at});
   }
 }
 

@@ -10,8 +10,8 @@ namespace cairn {
 
 /// What a step between cells is judged by beyond its height (T5.3).
 struct SoftLimits {
-  double sigma_mm = 15.0;      ///< Of a cell's height, by the sensor. [Limit: 1 … 1000]
-  double wheel_base_m = 0.5;   ///< Slopes are looked at over this length. [Limit: 0.01 … 2]
+  double sigma_mm = 15.0;     ///< Of a cell's height, by the sensor. [Limit: 1 … 1000]
+  double wheel_base_m = 0.5;  ///< Slopes are looked at over this length. [Limit: 0.01 … 2]
 
   friend bool operator==(const SoftLimits&, const SoftLimits&) = default;
 };
@@ -38,17 +38,17 @@ struct SoftKernels {
 /// One row of the work. Heights have room for `margin` cells on either side; what is unknown or
 /// outside is kNoHeight.
 struct SoftRow {
-  const std::int32_t* below;   ///< Row y - 1.
+  const std::int32_t* below;  ///< Row y - 1.
   const std::int32_t* own;
   const std::int32_t* above;   ///< Row y + 1.
   const std::int32_t* behind;  ///< Row y - reach.
   const std::int32_t* ahead;   ///< Row y + reach.
   const std::uint8_t* probability;
   int width;
-  int reach;                   ///< [cells] Half a wheel base.
+  int reach;  ///< [cells] Half a wheel base.
   std::int32_t step_limit_mm;
   float sigma_mm;
-  std::int32_t slope_scale;    ///< [1/4096] From mm over 2 · reach cells to percent.
+  std::int32_t slope_scale;  ///< [1/4096] From mm over 2 · reach cells to percent.
   CellClass* classes;
   std::uint8_t* obstacle;
   std::uint8_t* roughness_mm;

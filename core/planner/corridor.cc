@@ -42,7 +42,8 @@ class BitPacker {
   void put(std::uint32_t value, int width) {
     held_ |= std::uint64_t{value} << count_;
     count_ += width;
-    for (; count_ >= 8; count_ -= 8, held_ >>= 8) bytes_.push_back(static_cast<std::uint8_t>(held_));
+    for (; count_ >= 8; count_ -= 8, held_ >>= 8)
+      bytes_.push_back(static_cast<std::uint8_t>(held_));
   }
   void finish() {
     if (count_ > 0) bytes_.push_back(static_cast<std::uint8_t>(held_));
@@ -194,7 +195,8 @@ Result<Corridor> Corridor::along(const CodedPath& path, double half_width_m) {
   corridor.height_ = static_cast<int>(height);
   corridor.direction_.assign(static_cast<std::size_t>(width * height), outside);
   const auto place = [&](CellIndex p) {
-    return Eigen::Vector2d(p.x / kQuarters - corridor.origin_.x, p.y / kQuarters - corridor.origin_.y);
+    return Eigen::Vector2d(p.x / kQuarters - corridor.origin_.x,
+                           p.y / kQuarters - corridor.origin_.y);
   };
   for (std::size_t i = 0; i < path.points.size(); ++i) {
     corridor.mark_near(place(path.points[i > 0 ? i - 1 : 0]), place(path.points[i]), half_width);
@@ -243,8 +245,7 @@ std::uint8_t Corridor::way_on(const DrivableGrid& grid, const Field& field, Cell
     const std::uint8_t d = direction(beside);
     if (d >= at_goal) continue;
     const std::uint32_t step = step_cost(grid, cell, d);
-    const std::uint32_t left =
-        cost_to_goal(grid, field, {cell.x + kStepX[d], cell.y + kStepY[d]});
+    const std::uint32_t left = cost_to_goal(grid, field, {cell.x + kStepX[d], cell.y + kStepY[d]});
     if (step != kNoWay && left < own && step + left <= good) return d;
   }
   return static_cast<std::uint8_t>(first_step_down(grid, field, cell));
@@ -271,7 +272,8 @@ bool Corridor::code(Coder&& coder) {
       if (own == outside) continue;
       const std::uint8_t west = x > 0 ? at(x - 1, y) : std::uint8_t{outside};
       const std::uint8_t south = y > 0 ? at(x, y - 1) : std::uint8_t{outside};
-      const std::uint8_t beside = y > 0 && x + 1 < width_ ? at(x + 1, y - 1) : std::uint8_t{outside};
+      const std::uint8_t beside =
+          y > 0 && x + 1 < width_ ? at(x + 1, y - 1) : std::uint8_t{outside};
       const auto both = static_cast<std::size_t>(west * kKinds + south);
       if (west != outside && coder(as_west[both * kKinds + beside], own == west)) {
         own = west;

@@ -65,7 +65,8 @@ struct Lanes {
   }
   static void transpose(const std::int32_t* from, std::int32_t* to) {
     for (int y = 0; y < kWidth; ++y) {
-      for (int x = 0; x < kWidth; ++x) to[x * TilePlane::kStride + y] = from[y * TilePlane::kStride + x];
+      for (int x = 0; x < kWidth; ++x)
+        to[x * TilePlane::kStride + y] = from[y * TilePlane::kStride + x];
     }
   }
 };

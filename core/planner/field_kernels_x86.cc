@@ -44,7 +44,8 @@ struct Lanes {
   static V max(V a, V b) { return _mm256_max_epi32(a, b); }
   static V abs(V a) { return _mm256_abs_epi32(a); }
   static std::uint32_t less(V a, V b) {
-    return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a))));
+    return static_cast<std::uint32_t>(
+        _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a))));
   }
   static V widest_gap(V price) {
     return _mm256_srli_epi32(_mm256_mullo_epi32(price, all(kWidestGap16)), 16);
@@ -78,9 +79,7 @@ struct Lanes {
       put(to + (i + 4) * TilePlane::kStride, _mm256_permute2x128_si256(a[i], a[i + 4], 0x31));
     }
   }
-  static void put(std::int32_t* p, V v) {
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v);
-  }
+  static void put(std::int32_t* p, V v) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
 };
 
 #include "core/planner/field_sweeps.inc"

@@ -47,7 +47,7 @@ struct FieldTile {
 
   TilePlane upright;
   TilePlane transposed;
-  bool level = true;        ///< No lifts and one price: `price` is that of every open cell.
+  bool level = true;  ///< No lifts and one price: `price` is that of every open cell.
   std::int32_t price = 0;
 };
 

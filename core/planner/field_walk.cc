@@ -156,8 +156,8 @@ std::vector<Eigen::Vector2d> walk_down(const DrivableGrid& grid, const Field& fi
   return Walk(grid, field, lines).from(start_m, goal_m);
 }
 
-std::vector<CellIndex> cheapest_cells(const DrivableGrid& grid, const Field& field,
-                                      CellIndex start, double below) {
+std::vector<CellIndex> cheapest_cells(const DrivableGrid& grid, const Field& field, CellIndex start,
+                                      double below) {
   struct Known {
     std::uint32_t cost;
     int direction;  ///< It was reached by.
@@ -175,7 +175,8 @@ std::vector<CellIndex> cheapest_cells(const DrivableGrid& grid, const Field& fie
     if (so_far + cost_to_goal(grid, field, cell) != estimate) continue;
     if (cell == field.goal) {
       std::vector<CellIndex> cells{cell};
-      for (int d = known.at(key(cell)).direction; d >= 0; d = known.at(key(cells.back())).direction) {
+      for (int d = known.at(key(cell)).direction; d >= 0;
+           d = known.at(key(cells.back())).direction) {
         cells.push_back({cells.back().x - kStepX[d], cells.back().y - kStepY[d]});
       }
       return {cells.rbegin(), cells.rend()};

@@ -22,8 +22,8 @@ namespace cairn {
                                                      const Eigen::Vector2d& start_m,
                                                      const Eigen::Vector2d& goal_m);
 
-/// The cheapest way over the cells' middles in steps of step_cost (Hart, Nilsson & Raphael 1968, the
-/// field being the estimate, which no such way undercuts), both ends included; empty when none
+/// The cheapest way over the cells' middles in steps of step_cost (Hart, Nilsson & Raphael 1968,
+/// the field being the estimate, which no such way undercuts), both ends included; empty when none
 /// costs less than `below` [cost units].
 [[nodiscard]] std::vector<CellIndex> cheapest_cells(const DrivableGrid& grid, const Field& field,
                                                     CellIndex start, double below);

@@ -162,8 +162,7 @@ Points way_down(const DrivableGrid& grid, const Field& field, CellIndex entrance
   if (!walked_m.empty()) best_m = cheaper(lines, best_m, tighten(lines, walked_m));
   const double cost = cost_along(lines, best_m);
   if (cost <= least_over_cells(grid, field, entrance, start_m, end_m)) return best_m;
-  const std::vector<CellIndex> cells =
-      cheapest_cells(grid, field, entrance, cost + 2 * kCellUnits);
+  const std::vector<CellIndex> cells = cheapest_cells(grid, field, entrance, cost + 2 * kCellUnits);
   return cells.empty() ? best_m : cheaper(lines, best_m, over(cells));
 }
 
@@ -229,8 +228,7 @@ Path second_best(const DrivableGrid& grid, const PlannerConfig& config, const Pl
   if (frontier) why = why_explore(why, middle_m(grid, *frontier));
   Path path = no_path(why);
   if (request.allow_partial) {
-    const CellIndex end =
-        frontier ? *frontier : nearest_reachable(grid, entrances, request.goal_m);
+    const CellIndex end = frontier ? *frontier : nearest_reachable(grid, entrances, request.goal_m);
     path = partial_path(grid, end, request, entrances, why);
   }
   if (frontier) path.frontier_m = middle_m(grid, *frontier);

@@ -41,8 +41,9 @@ struct PlanRequest {
 /// obstacle and no step beyond the limits. The path begins at the true start and, when complete,
 /// ends at the exact goal; a partial one ends at the middle of a cell. Goals outside the map, on an
 /// obstacle, too near one, unknown, or cut off give `none` with that reason, or `partial` when
-/// allowed; with UnknownGround::explore they say which frontier would open a way, and a partial path
-/// leads there. Non-finite coordinates give `none`. The grid must have been made with the config.
+/// allowed; with UnknownGround::explore they say which frontier would open a way, and a partial
+/// path leads there. Non-finite coordinates give `none`. The grid must have been made with the
+/// config.
 [[nodiscard]] Path plan(const DrivableGrid& grid, const PlanRequest& request,
                         const PlannerConfig& config);
 

@@ -91,7 +91,9 @@ class SoftPricing {
     const Clearance clearance(grid_, farthest_closeness(grid_, config_));
     for (int y = 0; y < grid_.heights.height; ++y) {
       for (int x = 0; x < grid_.heights.width; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.heights.width) + static_cast<std::size_t>(x);
+        const std::size_t i =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.heights.width) +
+            static_cast<std::size_t>(x);
         if (!grid_.open[i]) continue;
         const double beyond_m = clearance.at(x, y) * cell_m(grid_) - config_.limits.radius_m;
         const double part = 1.0 - std::max(beyond_m, 0.0) / config_.closeness_m;
@@ -118,9 +120,9 @@ class SoftPricing {
 }  // namespace
 
 int reach_of_change(const DrivableGrid& grid, const PlannerConfig& config) {
-  const double cells = std::max(
-      {config.limits.radius_m / cell_m(grid), 1.0 * farthest_closeness(grid, config),
-       looks_at_shape(config) ? config.soft.wheel_base_m / cell_m(grid) : 0.0});
+  const double cells =
+      std::max({config.limits.radius_m / cell_m(grid), 1.0 * farthest_closeness(grid, config),
+                looks_at_shape(config) ? config.soft.wheel_base_m / cell_m(grid) : 0.0});
   return 2 + static_cast<int>(cells);
 }
 

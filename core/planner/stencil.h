@@ -15,12 +15,15 @@ inline constexpr std::int32_t kWidestGap16 = 46203;
 
 /// [cost units] From a cell of this price to the middle of its diagonal neighbour.
 [[nodiscard]] inline std::int32_t diagonal_units(std::int32_t price) {
-  return static_cast<std::int32_t>((static_cast<std::uint32_t>(price) * kDiagonal16 + 0x8000U) >> 16);
+  return static_cast<std::int32_t>((static_cast<std::uint32_t>(price) * kDiagonal16 + 0x8000U) >>
+                                   16);
 }
 
 /// Where the next cell's cost lies further than this above the diagonal one's, the straight
 /// diagonal is best: 0.705 · price. (It is from √½ on; up to there the two differ by nothing.)
-[[nodiscard]] inline std::int32_t widest_gap(std::int32_t price) { return (price * kWidestGap16) >> 16; }
+[[nodiscard]] inline std::int32_t widest_gap(std::int32_t price) {
+  return (price * kWidestGap16) >> 16;
+}
 
 /// [cost units] Cost of the best straight way from the middle of a cell to the line between the
 /// middles of its axial neighbour, whose cost is `gap` higher, and of the diagonal one beside it,
@@ -63,7 +66,8 @@ inline void close_corners(Offers& offers, const std::int32_t (&neighbour)[8]) {
 /// What is around an even cell. Both pointers at the cell.
 [[nodiscard]] inline Offers offers_around(const std::int32_t* levelled, const std::int32_t* lift,
                                           std::ptrdiff_t stride) {
-  const std::ptrdiff_t step[8] = {1, stride + 1, stride, stride - 1, -1, -stride - 1, -stride, -stride + 1};
+  const std::ptrdiff_t step[8] = {1,  stride + 1,  stride,  stride - 1,
+                                  -1, -stride - 1, -stride, -stride + 1};
   std::int32_t neighbour[8];
   Offers offers;
   for (int d = 0; d < 8; ++d) {

@@ -64,7 +64,9 @@ void TileWave::load(int tx, int ty) {
   FieldTile& tile = *tile_;
   const int cells = std::min(kPlaneRows, field_.width - tx * kSize + 2);
   const std::uint16_t* price = ground_.price.data();
-  tile.price = ground_.level_price[static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(tx)];
+  tile.price =
+      ground_.level_price[static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) +
+                          static_cast<std::size_t>(tx)];
   tile.level = tile.price != 0;
   for (int r = 0; r < kPlaneRows; ++r) {
     const int y = ty * kSize + r - 1;
@@ -108,7 +110,7 @@ void TileWave::load(int tx, int ty) {
 
 void TileWave::load_news(const News& news) {
   const auto plane = [&](TilePlane& p, RowBits low, RowBits high, RowBits before, RowBits after,
-                         const std::uint8_t (&corner)[4]) {
+                         const std::uint8_t(&corner)[4]) {
     TileNews all;
     for (std::size_t i = 0; i < kSize; ++i) {
       all.row[i + 1] = news.inside ? ~RowBits{0} : 0;
@@ -124,8 +126,10 @@ void TileWave::load_news(const News& news) {
     p.back.after[kSize + 1] = corner[3];
   };
   const auto bit = [&](int i) { return static_cast<std::uint8_t>(news.corners >> i & 1); };
-  plane(tile_->upright, news.south, news.north, news.west, news.east, {bit(0), bit(1), bit(2), bit(3)});
-  plane(tile_->transposed, news.west, news.east, news.south, news.north, {bit(0), bit(2), bit(1), bit(3)});
+  plane(tile_->upright, news.south, news.north, news.west, news.east,
+        {bit(0), bit(1), bit(2), bit(3)});
+  plane(tile_->transposed, news.west, news.east, news.south, news.north,
+        {bit(0), bit(2), bit(1), bit(3)});
 }
 
 void TileWave::store(int tx, int ty) {
@@ -188,9 +192,11 @@ TileWave::Edges TileWave::edges(int tx, int ty) const {
   const int rows = std::min(kSize, field_.height - ty * kSize);
   const std::size_t south = ground_.at(tx * kSize, ty * kSize);
   std::copy_n(levelled + south, columns, edges.cell[0]);
-  if (rows == kSize) std::copy_n(levelled + ground_.at(tx * kSize, ty * kSize + kSize - 1), columns, edges.cell[1]);
+  if (rows == kSize)
+    std::copy_n(levelled + ground_.at(tx * kSize, ty * kSize + kSize - 1), columns, edges.cell[1]);
   for (int i = 0; i < rows; ++i) {
-    const std::int32_t* row = levelled + south + static_cast<std::size_t>(i) * static_cast<std::size_t>(ground_.stride);
+    const std::int32_t* row =
+        levelled + south + static_cast<std::size_t>(i) * static_cast<std::size_t>(ground_.stride);
     edges.cell[2][i] = row[0];
     if (columns == kSize) edges.cell[3][i] = row[kSize - 1];
   }
@@ -223,7 +229,8 @@ void TileWave::tell_neighbours(int tx, int ty, const Edges& before) {
 
 TileWave::News* TileWave::news_of(int tx, int ty) {
   if (tx < 0 || ty < 0 || tx >= columns_ || ty >= rows_) return nullptr;
-  return &news_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(tx)];
+  return &news_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(columns_) +
+                static_cast<std::size_t>(tx)];
 }
 
 void TileWave::wake(int tx, int ty, std::int32_t cheapest, RowBits News::*side, RowBits bits) {

@@ -67,8 +67,8 @@ class Wave {
   void radiate();
   /// Doubts the cells, whose ground has changed, and their neighbours. Requires: the field was
   /// right before; the cells themselves are closed or unreached by now, the goal is not among them.
-  /// `doubted` is work space, as long as the field: all 0, before and after. False, and the field is
-  /// of no use, when more than `most` cells were looked at: then a new one is cheaper.
+  /// `doubted` is work space, as long as the field: all 0, before and after. False, and the field
+  /// is of no use, when more than `most` cells were looked at: then a new one is cheaper.
   [[nodiscard]] bool repair(const std::vector<std::uint32_t>& cells,
                             std::vector<std::uint8_t>& doubted, std::size_t most);
 

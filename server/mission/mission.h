@@ -135,8 +135,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void go_on(Robot& robot, Duty& duty);
   void leg_planned(const std::string& robot, std::uint64_t task, const Planned& planned);
   void leg_issued(const std::string& robot, std::uint64_t task, const std::string& fault);
-  void nothing_to_explore(const std::string& robot, Duty& duty, Task& task,
-                          const Planned& planned);
+  void nothing_to_explore(const std::string& robot, Duty& duty, Task& task, const Planned& planned);
   void leg_ended(Robot& robot, const Goal& goal, LegEnd how);
   void mind(Robot& robot, Duty& duty);
   [[nodiscard]] std::optional<double> seconds_to_go(const std::string& robot,

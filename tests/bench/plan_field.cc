@@ -34,9 +34,11 @@ std::vector<float> prices(const DrivableGrid& grid) {
       for (int d = 0; d < 8; ++d) {
         const std::size_t other = grid.heights.at({x + kStepX[d], y + kStepY[d]});
         if (!grid.open[other]) continue;
-        steepest = std::max(steepest, std::abs(grid.heights.height_mm[cell] - grid.heights.height_mm[other]));
+        steepest = std::max(steepest,
+                            std::abs(grid.heights.height_mm[cell] - grid.heights.height_mm[other]));
       }
-      price[cell] = grid.open[cell] ? 1.0F + static_cast<float>(std::min(steepest, 100)) / 67.0F : 0.0F;
+      price[cell] =
+          grid.open[cell] ? 1.0F + static_cast<float>(std::min(steepest, 100)) / 67.0F : 0.0F;
     }
   }
   return price;
@@ -94,26 +96,33 @@ void measure(Report& report, const std::string& world, int size, std::uint32_t s
   std::optional<Field> field;
   for (const FieldKernels* kernels : usable_field_kernels()) {
     times_ms[kernels->name] = 1e3 * least_cpu_s(kRuns, [&] {
-      field.reset();
-      field = unreached_field(grid, goal);
-      TileWave(grid, *field, *kernels).radiate();
-    });
+                                field.reset();
+                                field = unreached_field(grid, goal);
+                                TileWave(grid, *field, *kernels).radiate();
+                              });
   }
   test::BucketDijkstra peer(prices(grid), size);
   const double peer_ms = 1e3 * least_cpu_s(kRuns, [&] {
-    keep(peer.radiate(static_cast<std::uint32_t>(grid.heights.at(goal))));
-  });
+                           keep(peer.radiate(static_cast<std::uint32_t>(grid.heights.at(goal))));
+                         });
   const double own_ms = times_ms[fastest.name];
   times_ms.erase(fastest.name);
   times_ms["Dijkstra with buckets"] = peer_ms;
   const std::string where = ", " + world + " " + std::to_string(size);
   report.add({"field" + where, own_ms, "ms", Better::lower, {}, times_ms});
   const bool large = size >= 4096 && (world == "open" || world == "terrain");
-  report.add({"times NavFn's speed" + where, peer_ms / own_ms / kNavfn.at(world), "x",
-              Better::higher, large ? 4.0 : kGoals.at(world),
+  report.add({"times NavFn's speed" + where,
+              peer_ms / own_ms / kNavfn.at(world),
+              "x",
+              Better::higher,
+              large ? 4.0 : kGoals.at(world),
               {{"Dijkstra with buckets", 1 / kNavfn.at(world)}}});
-  report.add({"cells reached differently" + where, 1.0 * static_cast<double>(reached_differently(grid, *field)),
-              "", Better::lower, 0.0, {}});
+  report.add({"cells reached differently" + where,
+              1.0 * static_cast<double>(reached_differently(grid, *field)),
+              "",
+              Better::lower,
+              0.0,
+              {}});
 }
 
 int run(int size) {

@@ -30,7 +30,9 @@ PlannerConfig point_robot() {
   return config;
 }
 
-Eigen::Vector2d middle_m(CellIndex cell) { return {(cell.x + 0.5) * 0.125, (cell.y + 0.5) * 0.125}; }
+Eigen::Vector2d middle_m(CellIndex cell) {
+  return {(cell.x + 0.5) * 0.125, (cell.y + 0.5) * 0.125};
+}
 
 /// The same surface in finer cells: between the cells' middles heights are linear.
 HeightGrid finer(const HeightGrid& coarse) {
@@ -46,7 +48,8 @@ HeightGrid finer(const HeightGrid& coarse) {
       };
       const double fx = cx - std::floor(cx);
       const double fy = cy - std::floor(cy);
-      const double height = std::lerp(std::lerp(at(0, 0), at(1, 0), fx), std::lerp(at(0, 1), at(1, 1), fx), fy);
+      const double height =
+          std::lerp(std::lerp(at(0, 0), at(1, 0), fx), std::lerp(at(0, 1), at(1, 1), fx), fy);
       fine.height_mm[fine.at({x, y})] = static_cast<std::int32_t>(std::lround(height));
       fine.probability[fine.at({x, y})] = 200;
     }
@@ -128,7 +131,8 @@ struct Tally {
 };
 
 bool valid(const DrivableGrid& grid, const Path& path, const test::Scenario& s) {
-  bool open = path.points_m.front() == middle_m(s.start) && path.points_m.back() == middle_m(s.goal);
+  bool open =
+      path.points_m.front() == middle_m(s.start) && path.points_m.back() == middle_m(s.goal);
   for (std::size_t i = 1; i < path.points_m.size(); ++i) {
     open = open && line_is_open(grid, path.points_m[i - 1], path.points_m[i]);
   }
@@ -150,7 +154,8 @@ void run_scenarios(const std::filesystem::path& map, Tally& tally) {
 
 void add_movingai(Report& report) {
   Tally tally;
-  for (const auto& file : std::filesystem::recursive_directory_iterator(test::data_folder() / "movingai")) {
+  for (const auto& file :
+       std::filesystem::recursive_directory_iterator(test::data_folder() / "movingai")) {
     if (file.path().extension() == ".map") run_scenarios(file.path(), tally);
   }
   report.add({"MovingAI scenarios", 1.0 * tally.scenarios, "", Better::higher, {}, {}});

@@ -18,7 +18,8 @@ class World {
   }
 
   HeightGrid closed() {
-    for (int i = 0; i < size_; ++i) at(i, 0) = at(i, size_ - 1) = at(0, i) = at(size_ - 1, i) = 9000;
+    for (int i = 0; i < size_; ++i)
+      at(i, 0) = at(i, size_ - 1) = at(0, i) = at(size_ - 1, i) = 9000;
     return std::move(grid_);
   }
 
@@ -60,7 +61,8 @@ class World {
         trail.pop_back();
         continue;
       }
-      const auto [to_x, to_y] = next[static_cast<std::size_t>(below(static_cast<int>(next.size())))];
+      const auto [to_x, to_y] =
+          next[static_cast<std::size_t>(below(static_cast<int>(next.size())))];
       seen[static_cast<std::size_t>(to_y * rooms + to_x)] = true;
       join(x, y, to_x, to_y);
       trail.emplace_back(to_x, to_y);
@@ -76,7 +78,8 @@ class World {
   void raise_hills() {
     const std::uint32_t seed = static_cast<std::uint32_t>(random_());
     for (int y = 0; y < size_; ++y) {
-      for (int x = 0; x < size_; ++x) at(x, y) = static_cast<std::int32_t>(std::lround(hill_mm(x, y, seed)));
+      for (int x = 0; x < size_; ++x)
+        at(x, y) = static_cast<std::int32_t>(std::lround(hill_mm(x, y, seed)));
     }
     for (int i = 0; i < size_ * size_ / 18000; ++i) drop_rock();
     for (int i = 0; i < size_ * size_ / 18000; ++i) build_wall();
@@ -89,10 +92,15 @@ class World {
 
   std::int32_t& at(int x, int y) { return grid_.height_mm[index(x, y)]; }
   [[nodiscard]] std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_) + static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_) +
+           static_cast<std::size_t>(x);
   }
-  [[nodiscard]] bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_ && y < size_; }
-  int below(int limit) { return static_cast<int>(random_() % static_cast<unsigned>(std::max(limit, 1))); }
+  [[nodiscard]] bool inside(int x, int y) const {
+    return x >= 0 && y >= 0 && x < size_ && y < size_;
+  }
+  int below(int limit) {
+    return static_cast<int>(random_() % static_cast<unsigned>(std::max(limit, 1)));
+  }
   bool chance(double p) { return static_cast<double>(random_()) < p * 4294967296.0; }
 
   void level(int x0, int y0, int width, int height) {
@@ -164,7 +172,8 @@ class World {
   }
 
   static double lattice(int x, int y, std::uint32_t seed) {
-    std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9E3779B1U + static_cast<std::uint32_t>(y) * 0x85EBCA77U + seed;
+    std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9E3779B1U +
+                      static_cast<std::uint32_t>(y) * 0x85EBCA77U + seed;
     h = (h ^ (h >> 15)) * 0x2C1B3C6DU;
     h = (h ^ (h >> 12)) * 0x297A2D39U;
     return (h ^ (h >> 15)) / 4294967296.0 - 0.5;

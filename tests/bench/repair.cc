@@ -45,7 +45,9 @@ std::vector<CellChange> random_change(const HeightGrid& heights, std::mt19937& r
   for (int i = 0; i < kPatch * kPatch; ++i) {
     const CellIndex cell{low.x + i % kPatch, low.y + i / kPatch};
     const std::int32_t was_mm = heights.height_mm[heights.at(cell)];
-    const std::int32_t height_mm = kind == 0 ? base_mm + 1500 : kind == 1 ? base_mm : was_mm + rise_mm;
+    const std::int32_t height_mm = kind == 0   ? base_mm + 1500
+                                   : kind == 1 ? base_mm
+                                               : was_mm + rise_mm;
     changes.push_back({cell, height_mm, 200});
   }
   return changes;
@@ -69,14 +71,30 @@ void measure(Report& report, const std::string& world) {
   }
   std::optional<Field> anew;
   const double full_ms = 1e3 * least_cpu_s(5, [&] { anew = *compute_field(keeper->grid(), goal); });
-  report.add({"median repair, " + world, percentile(repairs_ms, 0.5) / full_ms * 100, "% of a plan",
-              Better::lower, 5.0, {}});
-  report.add({"90th percentile, " + world, percentile(repairs_ms, 0.9) / full_ms * 100,
-              "% of a plan", Better::lower, {}, {}});
-  report.add({"median repair, " + world, percentile(repairs_ms, 0.5), "ms", Better::lower, {},
+  report.add({"median repair, " + world,
+              percentile(repairs_ms, 0.5) / full_ms * 100,
+              "% of a plan",
+              Better::lower,
+              5.0,
+              {}});
+  report.add({"90th percentile, " + world,
+              percentile(repairs_ms, 0.9) / full_ms * 100,
+              "% of a plan",
+              Better::lower,
+              {},
+              {}});
+  report.add({"median repair, " + world,
+              percentile(repairs_ms, 0.5),
+              "ms",
+              Better::lower,
+              {},
               {{"new plan", full_ms}}});
-  report.add({"same field, " + world, anew->levelled == keeper->field().levelled ? 1.0 : 0.0, "",
-              Better::higher, 1.0, {}});
+  report.add({"same field, " + world,
+              anew->levelled == keeper->field().levelled ? 1.0 : 0.0,
+              "",
+              Better::higher,
+              1.0,
+              {}});
 }
 
 int run() {

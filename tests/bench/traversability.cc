@@ -44,12 +44,15 @@ int run() {
     peers[kernels->name] = per_cell(seconds);
   }
   peers["streaming copy"] = per_cell(streaming_copy_s(grid.height_mm.size()));
-  peers["hard rule alone"] =
-      per_cell(least_cpu_s(kRuns, [&] { keep(classify(grid, limits)); }));
+  peers["hard rule alone"] = per_cell(least_cpu_s(kRuns, [&] { keep(classify(grid, limits)); }));
   Report report("traversability");
   report.add({"time per cell", per_cell(best_s), "ns", Better::lower, {}, peers});
-  report.add({"speed of a streaming copy", peers["streaming copy"] / per_cell(best_s), "x",
-              Better::higher, 0.6, {}});
+  report.add({"speed of a streaming copy",
+              peers["streaming copy"] / per_cell(best_s),
+              "x",
+              Better::higher,
+              0.6,
+              {}});
   report.print(std::cout);
   return 0;
 }

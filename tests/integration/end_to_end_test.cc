@@ -129,7 +129,7 @@ TEST_F(EndToEnd, ASecondAgentWithTheSameIdIsTurnedAway) {
   Process second({agent_program(), "--server", ServerProcess::dds_url(), "--robot", "twin",
                   "--world", "room", "--site", "lab"},
                  folder_.path() / "second.log");
-  EXPECT_EQ(second.wait(30s), 1) << second.output();
+  EXPECT_EQ(second.wait(60s), 1) << second.output();
   EXPECT_NE(second.output().find("in use"), std::string::npos) << second.output();
   EXPECT_TRUE(robot_json("twin").value("connected", false)) << "the first one goes on";
 }

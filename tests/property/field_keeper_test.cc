@@ -32,7 +32,8 @@ HeightGrid random_grid(std::mt19937& random, int most) {
 PlannerConfig random_config(std::mt19937& random) {
   PlannerConfig config;
   config.limits.climb_mm = 80 + below(random, 100);
-  config.limits.descend_mm = below(random, 2) == 0 ? config.limits.climb_mm : 60 + below(random, 200);
+  config.limits.descend_mm =
+      below(random, 2) == 0 ? config.limits.climb_mm : 60 + below(random, 200);
   config.limits.radius_m = below(random, 2) == 0 ? 0.01 * below(random, 30) : 0.0;
   config.unknown = below(random, 3) == 0 ? UnknownGround::allowed : UnknownGround::blocked;
   config.climb_effort = below(random, 20);
@@ -51,12 +52,15 @@ PlannerConfig random_config(std::mt19937& random) {
 /// all over the map.
 std::vector<CellChange> random_changes(const HeightGrid& grid, std::mt19937& random) {
   std::vector<CellChange> changes;
-  const CellIndex low{grid.origin.x + below(random, grid.width), grid.origin.y + below(random, grid.height)};
+  const CellIndex low{grid.origin.x + below(random, grid.width),
+                      grid.origin.y + below(random, grid.height)};
   const int kind = below(random, 4);
   const int size = 1 + below(random, 5);
   for (int i = 0; i < size * size; ++i) {
     CellIndex cell{low.x + i % size, low.y + i / size};
-    if (kind == 3) cell = {grid.origin.x + below(random, grid.width + 2) - 1, grid.origin.y + below(random, grid.height)};
+    if (kind == 3)
+      cell = {grid.origin.x + below(random, grid.width + 2) - 1,
+              grid.origin.y + below(random, grid.height)};
     const std::int32_t height = kind == 0 ? 1000 : kind == 1 ? 0 : random_height(random);
     changes.push_back({cell, height, static_cast<std::uint8_t>(below(random, 10) == 0 ? 0 : 200)});
   }

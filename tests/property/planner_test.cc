@@ -80,7 +80,8 @@ TEST(PlannerProperty, FieldIsTheOnlyOneThatKeepsItsOwnRule) {
 
 /// As large as several tiles.
 HeightGrid wide_grid(std::mt19937& random, int relief_mm) {
-  HeightGrid grid = empty_grid({-20, 7}, {40 + below(random, 200), 50 + below(random, 150)}, 125).value();
+  HeightGrid grid =
+      empty_grid({-20, 7}, {40 + below(random, 200), 50 + below(random, 150)}, 125).value();
   const int blocks = 3 + below(random, 40);
   const int unknown = below(random, 2) == 0 ? 1 << 30 : 20;
   for (std::size_t i = 0; i < grid.height_mm.size(); ++i) {

@@ -58,8 +58,7 @@ inline std::vector<std::uint32_t> plain_dijkstra(const DrivableGrid& grid, CellI
 inline std::uint32_t best_triangle(const DrivableGrid& grid, const std::vector<std::uint32_t>& cost,
                                    CellIndex cell) {
   constexpr std::int32_t kNone = 1 << 30;
-  const std::int32_t price =
-      grid.ground.price[grid.ground_at(cell)] & PricedGround::kPriceMask;
+  const std::int32_t price = grid.ground.price[grid.ground_at(cell)] & PricedGround::kPriceMask;
   const auto offer = [&](int d) {
     const std::uint32_t step = step_cost(grid, cell, d);
     const CellIndex next{cell.x + kStepX[d], cell.y + kStepY[d]};

@@ -239,11 +239,16 @@ TEST_F(Scenarios, DisagreementsAreCounted) {
   EXPECT_EQ(report.examples.size(), 2U);
 }
 
-TEST_F(Scenarios, NoCornerIsCutAndLongerPathsAreCounted) {
-  // The straight diagonal from (1, 0) to (0, 1) would brush the obstacle at (1, 1).
-  EXPECT_EQ(run(scen("1\t0\t0\t1\t1.41421")).longer, 1U);
-  EXPECT_EQ(run(scen("1\t0\t0\t1\t2")).longer, 0U);
-  EXPECT_EQ(run(scen("1\t0\t0\t1\t2")).worst_ratio, 1.0);
+TEST_F(Scenarios, LongerPathsAreCounted) {
+  EXPECT_EQ(run(scen("0\t0\t0\t4\t3.9")).longer, 1U);
+  EXPECT_EQ(run(scen("0\t0\t0\t4\t4")).longer, 0U);
+}
+
+TEST_F(Scenarios, AWayInAnyDirectionPassesBesideACornerAndIsShorterThanTheListedOne) {
+  const auto report = run(scen("1\t0\t0\t1\t2"));  // Around the obstacle at (1, 1).
+  EXPECT_EQ(report.invalid, 0U);
+  EXPECT_GT(report.worst_ratio, 0.7071068);
+  EXPECT_LT(report.worst_ratio, 1.0);
 }
 
 TEST_F(Scenarios, FaultsOfTheFileAreNamed) {

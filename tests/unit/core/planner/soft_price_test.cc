@@ -52,7 +52,9 @@ TEST(SoftPrice, WeightsOfTheOperatorLeadAround) {
   WeightLayer weights(21, 0);
   for (std::size_t x = 2; x < 5; ++x) weights[x] = 160;
   const PlannerConfig config = point_robot();
-  const auto middle = [](CellIndex c) -> Eigen::Vector2d { return {(c.x + 0.5) * 0.125, (c.y + 0.5) * 0.125}; };
+  const auto middle = [](CellIndex c) -> Eigen::Vector2d {
+    return {(c.x + 0.5) * 0.125, (c.y + 0.5) * 0.125};
+  };
   const PlanRequest request{middle(drawn.cell('S')), middle(drawn.cell('G'))};
   const auto highest = [&](const Path& path) {
     double y = 0.0;

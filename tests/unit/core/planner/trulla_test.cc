@@ -195,11 +195,13 @@ TEST(Trulla, CountsWaysThatDoNotFitAsNotReachable) {
   PlannerConfig config = point_robot();
   config.limits = {100'000'000, 100'000'000, 0.0};
   config.descend_effort = config.climb_effort = 100;
-  const AsciiGrid drawn = draw(Rows{"0" + [] {
-    std::string zigzag;
-    for (int i = 0; i < 20; ++i) zigzag += "90";
-    return zigzag;
-  }()}, 10'000);
+  const AsciiGrid drawn = draw(Rows{"0" +
+                                    [] {
+                                      std::string zigzag;
+                                      for (int i = 0; i < 20; ++i) zigzag += "90";
+                                      return zigzag;
+                                    }()},
+                               10'000);
   const DrivableGrid grid = make_drivable(drawn.grid, config);
   const Field field = *compute_field(grid, {40, 0});
   const std::uint32_t two = cost_to_goal(grid, field, {38, 0});
