@@ -95,7 +95,7 @@ const std::vector<Breach> kBreaches = {
     {"CommandKindIsNotZero", "command", 12, {0}, "command: kind"},
     {"CommandKindIsKnown", "command", 12, {3}, "command: kind"},
     {"IssuerHasNoControlCharacters", "command", 14, {0x7F}, "command: issuer"},
-    {"LinkLossChoiceIsKnown", "command", 25, {2}, "command: on link loss"},
+    {"LinkLossChoiceIsKnown", "command", 25, {3}, "command: on link loss"},
     {"GoalXIsBounded", "command", 38, kTooFar, "command: goal x"},
     {"GoalYIsBounded", "command", 42, kTooFarWest, "command: goal y"},
     {"PathIsBounded", "command", 46, {0x01, 0x02}, "command: path points"},
