@@ -262,10 +262,11 @@ std::size_t Corridor::cells() const {
 template <class Coder>
 bool Corridor::code(Coder&& coder) {
   bool sound = true;
-  constexpr int kKinds = 11;
+  constexpr std::size_t kKinds = 11;
+  constexpr std::size_t kNodes = 16;
   std::vector<BitChance> as_west(kKinds * kKinds * kKinds);
   std::vector<BitChance> as_south(kKinds * kKinds);
-  std::vector<BitChance> tree(kKinds * 16);
+  std::vector<BitChance> tree(kKinds * kNodes);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
       std::uint8_t& own = at(x, y);
@@ -274,7 +275,7 @@ bool Corridor::code(Coder&& coder) {
       const std::uint8_t south = y > 0 ? at(x, y - 1) : std::uint8_t{outside};
       const std::uint8_t beside =
           y > 0 && x + 1 < width_ ? at(x + 1, y - 1) : std::uint8_t{outside};
-      const auto both = static_cast<std::size_t>(west * kKinds + south);
+      const std::size_t both = west * kKinds + south;
       if (west != outside && coder(as_west[both * kKinds + beside], own == west)) {
         own = west;
         continue;
@@ -285,7 +286,7 @@ bool Corridor::code(Coder&& coder) {
       }
       std::size_t node = 1;
       for (int bit = 3; bit >= 0; --bit) {
-        node = node * 2 + (coder(tree[west * 16U + node], (own >> bit & 1) != 0) ? 1 : 0);
+        node = node * 2 + (coder(tree[west * kNodes + node], (own >> bit & 1) != 0) ? 1 : 0);
       }
       const auto value = static_cast<std::uint8_t>(node & 15);
       sound = sound && value < outside;

@@ -35,7 +35,8 @@ inline constexpr std::int32_t kWidestGap16 = 46203;
 [[nodiscard]] inline std::int32_t straight_units(std::int32_t price, std::int32_t gap) {
   const auto p = static_cast<float>(price);
   const auto g = static_cast<float>(gap);
-  return static_cast<std::int32_t>(std::sqrt((p - g) * (p + g)) + 0.5F);
+  constexpr float kHalf = 0.5F;  // To nearest, as the vectorised twins do: never below 0.
+  return static_cast<std::int32_t>(std::sqrt((p - g) * (p + g)) + kHalf);
 }
 
 /// [cost units] The best way through the triangle of a cell of this price with its axial

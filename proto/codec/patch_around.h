@@ -23,7 +23,9 @@ inline std::size_t held(std::int64_t difference, int most) {
 }
 
 inline int changed(const WindowCell& cell) { return cell.marks & kChanged; }
-inline int marked(const WindowCell& cell, Mark mark) { return (cell.marks & mark) != 0 ? 1 : 0; }
+inline int marked(const WindowCell& cell, std::uint8_t mark) {
+  return (cell.marks & mark) != 0 ? 1 : 0;
+}
 inline int fresh(const WindowCell& cell) { return cell.known() && cell.age == 1 ? 1 : 0; }
 
 /// What lies around a cell, as far as several elements ask for it.

@@ -14,19 +14,18 @@ struct WindowCell {
   std::int32_t height = 0;    ///< [quanta] Above the submap's origin.
   std::uint8_t level = 0;     ///< Probability: 0 unknown, 1 … 16 of 16 levels, 17 certain.
   std::uint8_t age = 0;       ///< Class of the time since its last change, see age_class.
-  std::uint8_t marks = 0;     ///< Of Mark, in this packet.
+  std::uint8_t marks = 0;     ///< kChanged …, in this packet.
   std::uint8_t residual = 0;  ///< [quanta] By how much its new height was missed, saturating.
   std::uint8_t updates = 0;   ///< Changes since it was unknown, 0 … 7.
 
   [[nodiscard]] bool known() const { return level != 0; }
 };
 
-enum Mark : std::uint8_t {
-  kChanged = 1,
-  kCleared = 2,
-  kMoved = 4,    ///< Its height changed.
-  kAltMode = 8,  ///< Its height was told from the other surface.
-};
+// Marks of a cell that is told.
+inline constexpr std::uint8_t kChanged = 1;
+inline constexpr std::uint8_t kCleared = 2;
+inline constexpr std::uint8_t kMoved = 4;    ///< Its height changed.
+inline constexpr std::uint8_t kAltMode = 8;  ///< Its height was told from the other surface.
 
 inline constexpr std::uint8_t kUnknownAge = 7;
 
