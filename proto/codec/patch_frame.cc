@@ -11,15 +11,13 @@ namespace {
 constexpr int kBlocksPerRow = Tile::kSize / kBlockSize;
 
 /// Contexts of the table for what is rare (0 is CellCoder's).
-enum RareContext : std::size_t {
-  kLayerThere = 2,  // and 3
-  kOtherLevel = 4,
-  kDatumExpected = 5,
-  kBaseExpected = 6,
-  kNextVersion = 7,
-  kOriginLengths = 32,  // to 63
-  kSizeLengths = 64,    // to 95
-};
+constexpr std::size_t kLayerThere = 2;  // and 3
+constexpr std::size_t kOtherLevel = 4;
+constexpr std::size_t kDatumExpected = 5;
+constexpr std::size_t kBaseExpected = 6;
+constexpr std::size_t kNextVersion = 7;
+constexpr std::size_t kOriginLengths = 32;  // to 63
+constexpr std::size_t kSizeLengths = 64;    // to 95
 
 constexpr std::size_t z(int value) { return static_cast<std::size_t>(value); }
 
