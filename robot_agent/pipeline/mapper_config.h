@@ -15,6 +15,9 @@ struct MapperConfig {
   SensorModel sensor_model;
   /// How finely evidence is written down, and so told: changes below it are no news.
   Coarseness coarseness;
+  /// [s] A robot that has stood for so long tells what changes around it at this interval only: at
+  /// the edges of things beams hit now this cell, now that.
+  double parked_telling_s = 15.0;
   DeadReckoningConfig dead_reckoning;
   /// [m] Beams count this far: beyond it the error of the inclinometer exceeds a kerb's height.
   double mapping_range_m = 15.0;

@@ -3,10 +3,19 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
+#include "core/common/angle.h"
 #include "robot_agent/pipeline/submap_frame.h"
 
 namespace cairn::agent {
+namespace {
+
+/// A robot that stays within this stands still: its estimated pose wanders meanwhile.
+constexpr double kStandsWithinM = 0.15;
+constexpr double kStandsWithinRad = 0.1;
+
+}  // namespace
 
 SubmapWriter::SubmapWriter(const MapperConfig& config, std::uint64_t boot,
                            proto::EvidenceSender& evidence)
@@ -58,6 +67,7 @@ void SubmapWriter::make_reference(const HeightMap& replica) {
 
 Submap SubmapWriter::close() {
   assert(open_ != nullptr);
+  tell_noted();
   Submap closed = *open_;
   closed.closed = true;
   open_ = nullptr;
@@ -81,14 +91,16 @@ void SubmapWriter::take_scan(const Scan& scan, const LaserSpec& laser, const Pos
   std::optional<std::int32_t> ground_mm;
   if (laser.ground_along_beam) ground_mm = to_mm(T_submap_robot.z_m);
   integrate(beams, ground_mm);
-  if (apron_laid_ || laser.ground_along_beam || scan.laser != 0) return;
-  lay_apron(scan, laser, T_submap_robot);
+  if (!apron_laid_ && !laser.ground_along_beam && scan.laser == 0) {
+    lay_apron(scan, laser, T_submap_robot);
+  }
+  tell_when_due(T_site_robot, scan.stamp);
 }
 
 void SubmapWriter::integrate(const std::vector<Beam>& beams,
                              std::optional<std::int32_t> ground_mm) {
   const ScanEffect effect = integrator_.integrate(surface_, beams, ground_mm, &reference_);
-  tell(EvidenceLayer::surface, effect.changed);
+  note(EvidenceLayer::surface, effect.changed);
   beams_ += effect.beams;
   note_seen_through(effect.contradictions);
 }
@@ -108,7 +120,32 @@ void SubmapWriter::note_seen_through(const std::vector<Contradiction>& contradic
     if (after == before || !seen_through_.set(contradiction.cell, after)) continue;
     seen_through.push_back(contradiction.cell);
   }
-  tell(EvidenceLayer::seen_through, seen_through);
+  note(EvidenceLayer::seen_through, seen_through);
+}
+
+void SubmapWriter::note(EvidenceLayer layer, const std::vector<CellIndex>& changed) {
+  auto& noted = noted_.at(static_cast<std::size_t>(layer));
+  noted.insert(noted.end(), changed.begin(), changed.end());
+}
+
+void SubmapWriter::tell_when_due(const Pose& T_site_robot, MonotonicTime now) {
+  const double way_m =
+      std::hypot(T_site_robot.x_m - stood_at_.x_m, T_site_robot.y_m - stood_at_.y_m);
+  const double turn_rad = std::abs(wrap_angle(T_site_robot.yaw_rad - stood_at_.yaw_rad));
+  if (way_m > kStandsWithinM || turn_rad > kStandsWithinRad) {
+    stood_at_ = T_site_robot;
+    stood_since_ = now;
+  }
+  parked_ = to_seconds(now - stood_since_) > config_.parked_telling_s;
+  if (parked_ && to_seconds(now - told_at_) < config_.parked_telling_s) return;
+  tell_noted();
+  told_at_ = now;
+}
+
+void SubmapWriter::tell_noted() {
+  for (const auto layer : {EvidenceLayer::surface, EvidenceLayer::seen_through}) {
+    tell(layer, std::exchange(noted_.at(static_cast<std::size_t>(layer)), {}));
+  }
 }
 
 void SubmapWriter::tell(EvidenceLayer layer, const std::vector<CellIndex>& changed) {
@@ -140,8 +177,9 @@ void SubmapWriter::touch_ground(const Pose& T_site_robot) {
       hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
-  tell(EvidenceLayer::surface, changed);
-  tell(EvidenceLayer::seen_through, emptied);
+  note(EvidenceLayer::surface, changed);
+  note(EvidenceLayer::seen_through, emptied);
+  if (!parked_) tell_noted();
 }
 
 void SubmapWriter::hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed) {
@@ -179,7 +217,7 @@ void SubmapWriter::lay_apron(const Scan& scan, const LaserSpec& laser, const Pos
       if (!surface_.cell(index).known()) hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
-  tell(EvidenceLayer::surface, changed);
+  note(EvidenceLayer::surface, changed);
 }
 
 }  // namespace cairn::agent

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -42,6 +43,9 @@ class SubmapWriter {
   void lay_apron(const Scan& scan, const LaserSpec& laser, const Pose& T_submap_robot);
   void stand_on(const Eigen::Vector3d& p_submap_m, std::vector<CellIndex>& emptied);
   void hit_ground(double x_m, double y_m, double z_m, std::vector<CellIndex>& changed);
+  void note(EvidenceLayer layer, const std::vector<CellIndex>& changed);
+  void tell_when_due(const Pose& T_site_robot, MonotonicTime now);
+  void tell_noted();
   void tell(EvidenceLayer layer, const std::vector<CellIndex>& changed);
   [[nodiscard]] Pose in_submap(const Pose& T_site_robot) const;
 
@@ -53,6 +57,13 @@ class SubmapWriter {
   HeightMap reference_;     ///< The replica around the open submap, in that submap's frame.
   HeightMap surface_;       ///< Exact values of the open submap …
   HeightMap seen_through_;  ///< … and of its other layer.
+  /// Cells changed and not told yet, by layer, some more than once. [Limit: what two lasers change
+  /// in parked_telling_s]
+  std::array<std::vector<CellIndex>, 2> noted_;
+  Pose stood_at_;                ///< Where the robot came to stand …
+  MonotonicTime stood_since_{};  ///< … and when.
+  bool parked_ = false;
+  MonotonicTime told_at_{};
   Submap* open_ = nullptr;
   std::optional<CellIndex> last_touch_;
   bool apron_laid_ = false;
