@@ -4,6 +4,15 @@
 #include <utility>
 
 namespace cairn::proto {
+namespace {
+
+/// How far the count `a` is ahead of `b`; both wrap at 256.
+int difference(std::uint8_t a, std::uint8_t b) {
+  const auto ahead = static_cast<std::uint8_t>(a - b);
+  return ahead < 128 ? ahead : ahead - 256;
+}
+
+}  // namespace
 
 PatchReceiver::Reading PatchReceiver::read(std::uint32_t number, const EvidencePatch& patch) {
   const Outcome ground = stand_on(number, patch.ground);
@@ -19,7 +28,7 @@ PatchReceiver::Outcome PatchReceiver::stand_on(std::uint32_t number, const Commo
   const auto newer = static_cast<std::int8_t>(ground.epoch - epoch_);
   if (newer < 0) return Outcome::late;
   if (newer > 0) begin_anew(ground.epoch);
-  const int merged_of_named = static_cast<std::int8_t>(merged_ - ground.before);
+  const int merged_of_named = difference(static_cast<std::uint8_t>(merged_), ground.before);
   if (merged_of_named < 0) return Outcome::lost;
   if (merged_of_named > static_cast<int>(ground.back.size())) return Outcome::late;
   std::vector<std::uint32_t> frames;

@@ -120,8 +120,7 @@ TEST_P(LossyLink, BothEndsHoldTheSameMapAfterWrongBitsBurstsOfLossAnOutageAndAKi
   faulty.burst_begin = 0.02;
   faulty.burst_end = 0.25;
   if (!open(faulty)) GTEST_SKIP() << "skipped: " << why_not_;
-  ASSERT_TRUE(
-      eventually([&] { return site_->link().counters().up.delivered.bytes > 3'000; }, 90s));
+  ASSERT_TRUE(eventually([&] { return site_->link().counters().up.delivered.bytes > 3'000; }, 90s));
   faulty.outages = {{site_->link().age(), site_->link().age() + 3s}};
   site_->link().set(faulty, faulty);
   site_->server().kill();
