@@ -93,7 +93,7 @@ TEST_F(OverUdp, ASecondAgentWithTheSameIdIsTurnedAway) {
   Process first = start("r1");
   ASSERT_TRUE(connected("r1")) << first.output();
   Process second = start("r1", "second");
-  EXPECT_EQ(second.wait(40s), 1) << second.output();
+  EXPECT_EQ(second.wait(70s), 1) << second.output();
   EXPECT_NE(second.output().find("in use"), std::string::npos) << second.output();
   EXPECT_TRUE(connected("r1")) << "the first one goes on";
 }
