@@ -172,7 +172,7 @@ SiteFacts facts_of(const OpenSite& site) {
   facts.highest_mm = std::numeric_limits<std::int32_t>::min();
   for (const auto& [key, packed] : map->tiles) {
     SiteFacts::Level& level = levels[key.level];
-    level.level = static_cast<int>(key.level);
+    level.level = key.level;
     ++level.tiles;
     const Tile tile = packed->unpack();
     level.known_cells += static_cast<std::uint64_t>(tile.known_count());

@@ -68,7 +68,7 @@ struct SiteFacts {
   std::int32_t lowest_mm = 0;        ///< Of the heights of the ground level.
   std::int32_t highest_mm = 0;
   struct Level {
-    int level = 0;
+    std::int8_t level = 0;
     std::uint64_t tiles = 0;
     std::uint64_t known_cells = 0;
   };
