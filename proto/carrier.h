@@ -37,9 +37,11 @@ class Carrier {
   virtual Result<std::optional<Datagram>> receive(std::chrono::milliseconds timeout) = 0;
   /// [bytes] What a frame costs on the wire beyond its own bytes (IP headers included).
   [[nodiscard]] virtual std::size_t overhead_bytes() const = 0;
-  /// Whether `Datagram::peer` is a robot's id that its sender has proven; otherwise it only tells
-  /// ends apart.
-  [[nodiscard]] virtual bool proves_peers() const { return false; }
+  /// The robot's id that an end of this name has proven; nullopt where names of ends prove nothing
+  /// and only tell them apart.
+  [[nodiscard]] virtual std::optional<std::string> proven_robot(const std::string& /*peer*/) const {
+    return std::nullopt;
+  }
 };
 
 /// invalid_argument unless a frame of this size can travel.

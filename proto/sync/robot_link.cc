@@ -295,9 +295,10 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
     ack_due_.reset();
     map_unacked_ = 0;
   }
+  const bool pose_due = pose_is_due(now);
   const bool reports = reports_.fill(frame, number) > 0;
   const bool first_pose = pose_ && !told_;
-  const bool pose = pose_is_due(now) && frame.add(*pose_);
+  const bool pose = pose_due && frame.add(*pose_);
   if (pose) {
     told_ = std::exchange(pose_, std::nullopt);
     told_at_ = now;
@@ -341,6 +342,8 @@ bool RobotLink::silent_too_long(MonotonicTime now) const {
 MonotonicTime RobotLink::pose_due(MonotonicTime now) const {
   if (!told_) return now;
   const bool news = tells_more(*told_, *pose_);
+  // What became of a command is read together with where the robot is.
+  if (news && reports_.has_news()) return now;
   const MonotonicTime due = told_at_ + (news ? config_.pose_period : config_.quiet_pose_period);
   return std::max(due, budget_.due(Traffic::pose, now));
 }

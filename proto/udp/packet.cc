@@ -57,6 +57,7 @@ UdpBytes encode(const FirstPayload& payload) {
   ByteWriter writer(bytes);
   writer.put(payload.stamp);
   writer.put(payload.session);
+  writer.put(payload.agent);
   writer.put_bytes(payload.greeting);
   return bytes;
 }
@@ -66,6 +67,7 @@ std::optional<FirstPayload> decode_first_payload(std::span<const std::uint8_t> b
   FirstPayload payload;
   payload.stamp = reader.get<std::uint64_t>();
   payload.session = reader.get<std::uint32_t>();
+  payload.agent = reader.get<std::uint32_t>();
   if (reader.failed()) return std::nullopt;
   payload.greeting = rest_of(reader);
   return payload;

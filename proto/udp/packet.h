@@ -34,7 +34,9 @@ inline constexpr std::size_t kDataBytes = kDataHeadBytes + NoiseHandshake::kTagB
 struct FirstPayload {
   std::uint64_t stamp = 0;    ///< Greater than any this robot used before.
   std::uint32_t session = 0;  ///< Name that the robot wants to be called by.
-  UdpBytes greeting;          ///< A frame outside of any session, or nothing.
+  std::uint32_t agent =
+      0;              ///< The same in all set-ups of a running agent, by chance unlike others.
+  UdpBytes greeting;  ///< A frame outside of any session, or nothing.
 };
 [[nodiscard]] UdpBytes encode(const FirstPayload& payload);
 [[nodiscard]] std::optional<FirstPayload> decode_first_payload(std::span<const std::uint8_t> bytes);

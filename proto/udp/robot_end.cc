@@ -17,7 +17,7 @@ Error setting_up() {
 }  // namespace
 
 UdpRobotEnd::UdpRobotEnd(const Secret& key, std::uint64_t first_stamp)
-    : key_(key), key_id_(key_id(key)), next_stamp_(first_stamp) {}
+    : key_(key), key_id_(key_id(key)), agent_(random_name()), next_stamp_(first_stamp) {}
 
 // ---- What is sent -------------------------------------------------------------------------------
 
@@ -42,8 +42,8 @@ void UdpRobotEnd::begin(Cause cause, UdpBytes greeting, MonotonicTime now) {
   const UdpBytes head = first_head(key_id_);
   NoiseHandshake handshake(key_, head, Secret::random());
   const std::uint32_t session = random_name();
-  const UdpBytes sealed = handshake.write_first(
-      encode(FirstPayload{.stamp = next_stamp_++, .session = session, .greeting = greeting}));
+  const UdpBytes sealed = handshake.write_first(encode(FirstPayload{
+      .stamp = next_stamp_++, .session = session, .agent = agent_, .greeting = greeting}));
   UdpBytes packet = head;
   packet.insert(packet.end(), sealed.begin(), sealed.end());
   const Duration wait =

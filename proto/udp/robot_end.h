@@ -84,6 +84,7 @@ class UdpRobotEnd {
 
   Secret key_;
   KeyId key_id_;
+  std::uint32_t agent_;
   std::uint64_t next_stamp_;
   std::optional<UdpSession> current_;
   std::optional<UdpSession> previous_;  ///< Still listened to: packets overtake each other.

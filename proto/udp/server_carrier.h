@@ -20,7 +20,9 @@ class UdpServerCarrier final : public Carrier {
   Status send(const Datagram& frame) override;
   Result<std::optional<Datagram>> receive(std::chrono::milliseconds timeout) override;
   [[nodiscard]] std::size_t overhead_bytes() const override { return kUdpOverheadBytes; }
-  [[nodiscard]] bool proves_peers() const override { return true; }
+  [[nodiscard]] std::optional<std::string> proven_robot(const std::string& peer) const override {
+    return UdpPeer::of(peer).robot;
+  }
   [[nodiscard]] std::uint16_t port() const { return socket_.port(); }
 
  private:

@@ -1,6 +1,7 @@
 #include "proto/udp/server_end.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 namespace cairn::proto {
@@ -16,6 +17,17 @@ std::size_t UdpServerEnd::KeyIdHash::operator()(const KeyId& id) const {
   std::size_t hash = 0;
   for (const std::uint8_t byte : id) hash = (hash << 8U) | byte;  // Already as good as random.
   return hash;
+}
+
+std::string UdpPeer::name() const { return robot + '/' + std::to_string(agent); }
+
+UdpPeer UdpPeer::of(const std::string& name) {
+  const std::size_t slash = name.find('/');
+  UdpPeer peer{.robot = name.substr(0, slash)};
+  if (slash != std::string::npos) {
+    std::from_chars(name.data() + slash + 1, name.data() + name.size(), peer.agent);
+  }
+  return peer;
 }
 
 UdpServerEnd::UdpServerEnd(const RobotKeys& keys) {
@@ -71,6 +83,7 @@ std::optional<Datagram> UdpServerEnd::on_first(std::span<const std::uint8_t> pac
                 .handshake = handshake,
                 .name = free_name(),
                 .robot_session = payload->session,
+                .agent = payload->agent,
                 .begun = now},
                payload->greeting, now);
 }
@@ -91,7 +104,7 @@ std::optional<Datagram> UdpServerEnd::begin(Robot& robot, Pending pending, const
     return std::nullopt;
   }
   if (std::ranges::find(unanswered_, &robot) == unanswered_.end()) unanswered_.push_back(&robot);
-  return Datagram{robot.id, greeting};
+  return Datagram{UdpPeer{robot.id, robot.pending->agent}.name(), greeting};
 }
 
 void UdpServerEnd::repeat_answer(Robot& robot, const Address& from, MonotonicTime now) {
@@ -124,6 +137,7 @@ std::optional<Datagram> UdpServerEnd::on_data(std::span<const std::uint8_t> pack
   const auto session =
       std::ranges::find(robot.sessions, name, [](const Session& s) { return s.keys.own(); });
   UdpSession& keys = confirms ? *robot.pending->keys : session->keys;
+  const std::uint32_t agent = confirms ? robot.pending->agent : session->agent;
   auto opened = keys.open(packet);
   if (!opened) return refuse();
   if (confirms) {
@@ -135,7 +149,7 @@ std::optional<Datagram> UdpServerEnd::on_data(std::span<const std::uint8_t> pack
     session->heard_at = now;
   }
   if (opened->frame.empty()) return std::nullopt;
-  return Datagram{robot.id, std::move(opened->frame)};
+  return Datagram{UdpPeer{robot.id, agent}.name(), std::move(opened->frame)};
 }
 
 void UdpServerEnd::confirm(Robot& robot, MonotonicTime now) {
@@ -147,29 +161,35 @@ void UdpServerEnd::confirm(Robot& robot, MonotonicTime now) {
     forget(sessions.back().keys.own());
     sessions.pop_back();
   }
-  sessions.push_back({*std::move(pending.keys), pending.at, now});
+  sessions.push_back({*std::move(pending.keys), pending.agent, pending.at, now});
   for (const UdpBytes& frame : pending.waiting) queue(pending.at, sessions.back().keys.seal(frame));
 }
 
 // ---- What is sent -------------------------------------------------------------------------------
 
-UdpServerEnd::Session* UdpServerEnd::newest_session(Robot& robot) {
-  const auto newest = std::ranges::max_element(robot.sessions, {}, &Session::heard_at);
-  return newest == robot.sessions.end() ? nullptr : &*newest;
+UdpServerEnd::Session* UdpServerEnd::newest_session(Robot& robot, std::uint32_t agent) {
+  Session* newest = nullptr;
+  for (Session& session : robot.sessions) {
+    if (session.agent != agent) continue;
+    if (newest == nullptr || session.heard_at > newest->heard_at) newest = &session;
+  }
+  return newest;
 }
 
 Status UdpServerEnd::send(const Datagram& frame, MonotonicTime now) {
-  const auto found = robots_.find(frame.peer);
+  const UdpPeer peer = UdpPeer::of(frame.peer);
+  const auto found = robots_.find(peer.robot);
   Robot* robot = found == robots_.end() ? nullptr : &found->second;
-  Session* session = robot == nullptr ? nullptr : newest_session(*robot);
-  if (robot == nullptr || (session == nullptr && !robot->pending)) {
-    return Error{ErrorCode::unavailable, "robot '" + frame.peer + "' has no session over UDP"};
+  Session* session = robot == nullptr ? nullptr : newest_session(*robot, peer.agent);
+  const bool pending = robot != nullptr && robot->pending && robot->pending->agent == peer.agent;
+  if (session == nullptr && !pending) {
+    return Error{ErrorCode::unavailable, "robot '" + peer.robot + "' has no session over UDP"};
   }
-  if (robot->pending && !robot->pending->keys) {
+  if (pending && !robot->pending->keys) {
     answer(*robot, frame.bytes, now);
     return {};
   }
-  if (session != nullptr && (!robot->pending || session->heard_at > robot->pending->begun)) {
+  if (session != nullptr && (!pending || session->heard_at > robot->pending->begun)) {
     queue(session->at, session->keys.seal(frame.bytes));
     return {};
   }

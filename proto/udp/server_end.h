@@ -33,9 +33,19 @@ class AnswerBudget {
   MonotonicTime at_{};
 };
 
+/// One running agent of a robot, as `Datagram::peer` names it: two agents may hold one key.
+struct UdpPeer {
+  std::string robot;
+  std::uint32_t agent = 0;
+
+  [[nodiscard]] std::string name() const;
+  /// Requires: made by `name`.
+  [[nodiscard]] static UdpPeer of(const std::string& name);
+};
+
 /// The server's end of the UDP carrier, as a state machine without clock or socket. Keeps state for
 /// the robots of its key file alone: whatever a stranger sends costs one failed authentication.
-/// `Datagram::peer` is the robot's id, proven by its key.
+/// `Datagram::peer` is a UdpPeer's name; its robot is proven by the key.
 class UdpServerEnd {
  public:
   using Address = boost::asio::ip::udp::endpoint;
@@ -78,6 +88,7 @@ class UdpServerEnd {
  private:
   struct Session {
     UdpSession keys;
+    std::uint32_t agent = 0;
     Address at;
     MonotonicTime heard_at{};
   };
@@ -88,6 +99,7 @@ class UdpServerEnd {
     NoiseHandshake handshake;
     std::uint32_t name = 0;
     std::uint32_t robot_session = 0;
+    std::uint32_t agent = 0;
     MonotonicTime begun{};
     std::optional<UdpSession> keys = {};  ///< Once answered.
     UdpBytes answer = {};
@@ -117,7 +129,7 @@ class UdpServerEnd {
                                   MonotonicTime now);
   void confirm(Robot& robot, MonotonicTime now);
   void forget(std::uint32_t name) { by_name_.erase(name); }
-  Session* newest_session(Robot& robot);
+  static Session* newest_session(Robot& robot, std::uint32_t agent);
   std::uint32_t free_name() const;
   void queue(const Address& to, UdpBytes packet);
   std::optional<Datagram> refuse();

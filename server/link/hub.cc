@@ -70,7 +70,9 @@ void Hub::take(std::size_t carrier, const proto::Datagram& datagram) {
   const Result<proto::Frame> frame = proto::decode_frame(datagram.bytes, proto::Direction::up);
   if (!frame) {
     spdlog::debug("link: frame from {}: {}", datagram.peer, frame.error().message);
-    if (Robot* robot = find(datagram.peer); robot != nullptr) ++robot->frames_malformed;
+    const auto proven = carriers_[carrier]->proven_robot(datagram.peer);
+    Robot* robot = proven ? find(*proven) : nullptr;
+    if (robot != nullptr) ++robot->frames_malformed;
     return;
   }
   if (frame->header.session == 0) {
@@ -97,11 +99,12 @@ std::optional<proto::Reject> Hub::refuse(std::size_t carrier, const std::string&
     spdlog::warn("robot {}: refused: {}", hello.robot, text);
     return proto::Reject{hello.boot, reason, std::move(text)};
   };
-  if (carriers_[carrier]->proves_peers() && hello.robot != peer) {
+  if (const auto proven = carriers_[carrier]->proven_robot(peer);
+      proven && hello.robot != *proven) {
     return reject(
         proto::RejectReason::bad_name,
-        fmt::format("the key is robot '{}''s, not '{}''s: start the agent with --robot {}", peer,
-                    hello.robot, peer));
+        fmt::format("the key is robot '{}''s, not '{}''s: start the agent with --robot {}", *proven,
+                    hello.robot, *proven));
   }
   if (!site) {
     return reject(proto::RejectReason::unknown_site,

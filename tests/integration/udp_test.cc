@@ -89,6 +89,15 @@ TEST_F(OverUdp, ARobotCannotTakeAnothersName) {
   EXPECT_NE(thief.output().find("--robot r1"), std::string::npos) << thief.output();
 }
 
+TEST_F(OverUdp, ASecondAgentWithTheSameIdIsTurnedAway) {
+  Process first = start("r1");
+  ASSERT_TRUE(connected("r1")) << first.output();
+  Process second = start("r1", "second");
+  EXPECT_EQ(second.wait(60s), 1) << second.output();
+  EXPECT_NE(second.output().find("in use"), std::string::npos) << second.output();
+  EXPECT_TRUE(connected("r1")) << "the first one goes on";
+}
+
 TEST_F(OverUdp, AWrongKeyNeverConnects) {
   const std::string line = run({server_program(), "--new-key", "r1"}).output;
   std::ofstream(folder_.path() / "r1.key") << line;

@@ -61,8 +61,7 @@ TEST_F(UdpCarrier, NamesFramesAfterTheKeysRobot) {
   ASSERT_TRUE(robot->send({"", greeting()}));
   const auto up = next(*server);
   ASSERT_TRUE(up);
-  EXPECT_EQ(up->peer, "rover");
-  EXPECT_TRUE(server->proves_peers());
+  EXPECT_EQ(server->proven_robot(up->peer), "rover");
 }
 
 TEST_F(UdpCarrier, FindsARestartedServerAndARestartedRobot) {

@@ -54,6 +54,7 @@ class UdpEnds : public testing::Test {
   MonotonicTime now = seconds(1'000);
   std::vector<Datagram> server_got;
   std::vector<UdpBytes> robot_got;
+  std::string heard_last;  ///< Peer whose frame reached the server last.
 
   static std::unique_ptr<UdpRobotEnd> make_robot(std::uint64_t stamp) {
     return std::make_unique<UdpRobotEnd>(rover_key(), stamp);
@@ -71,7 +72,10 @@ class UdpEnds : public testing::Test {
   }
   void arrive_up(const UdpBytes& packet) { arrive_up(packet, robot_at); }
   void arrive_up(const UdpBytes& packet, const UdpServerEnd::Address& from) {
-    if (auto frame = server->on_packet(packet, from, now)) server_got.push_back(std::move(*frame));
+    auto frame = server->on_packet(packet, from, now);
+    if (!frame) return;
+    heard_last = frame->peer;
+    server_got.push_back(std::move(*frame));
   }
   void arrive_down(const UdpBytes& packet) {
     if (auto frame = robot->on_packet(packet, now)) robot_got.push_back(std::move(*frame));
@@ -106,7 +110,7 @@ class UdpEnds : public testing::Test {
     const UdpBytes down{2, static_cast<std::uint8_t>(said_)};
     (void)robot->send(up, now);
     settle();
-    (void)server->send({"rover", down}, now);
+    (void)server->send({heard_last, down}, now);
     settle();
     const bool went = !server_got.empty() && server_got.back().bytes == up && !robot_got.empty() &&
                       robot_got.back() == down;

@@ -14,9 +14,9 @@ TEST_F(UdpEnds, AGreetingAndItsAnswerNeedOneRoundTrip) {
   ASSERT_THAT(up, SizeIs(1));
   arrive_up(up[0]);
   ASSERT_THAT(server_got, SizeIs(1));
-  EXPECT_EQ(server_got[0].peer, "rover");
+  EXPECT_EQ(UdpPeer::of(server_got[0].peer).robot, "rover");
   EXPECT_EQ(server_got[0].bytes, greeting());
-  ASSERT_TRUE(server->send({"rover", {9, 9}}, now));
+  ASSERT_TRUE(server->send({heard_last, {9, 9}}, now));
   const auto down = take_down();
   ASSERT_THAT(down, SizeIs(1));
   arrive_down(down[0].packet);
@@ -34,7 +34,7 @@ TEST_F(UdpEnds, ThatRoundTripCostsAFewHundredBytes) {
   (void)robot->send(greeting(), now);
   const auto up = take_up();
   arrive_up(up.at(0));
-  (void)server->send({"rover", UdpBytes(39)}, now);  // A Welcome.
+  (void)server->send({heard_last, UdpBytes(39)}, now);  // A Welcome.
   const auto down = take_down();
   EXPECT_LE(up.at(0).size() + down.at(0).packet.size() + 2 * kIp, 300U);
 }
@@ -53,7 +53,7 @@ TEST_F(UdpEnds, ARobotWithNothingToSayShowsItsKeysSoThatWaitingFramesCome) {
   settle();
   now += UdpServerEnd::kAnswerWait;
   settle();
-  for (std::uint8_t i = 0; i < 3; ++i) (void)server->send({"rover", {i}}, now);
+  for (std::uint8_t i = 0; i < 3; ++i) (void)server->send({heard_last, {i}}, now);
   settle();
   EXPECT_THAT(robot_got, IsEmpty()) << "the robot has not shown yet that it is there";
   now += UdpRobotEnd::kConfirmWait;
@@ -95,7 +95,7 @@ TEST_F(UdpEnds, ARepeatedSetUpIsAnsweredByTheSameBytes) {
   (void)robot->send(greeting(), now);
   const auto up = take_up();
   arrive_up(up.at(0));
-  (void)server->send({"rover", {5}}, now);
+  (void)server->send({heard_last, {5}}, now);
   const auto lost = take_down();
   now += seconds(1);
   const auto again = take_up();
@@ -137,7 +137,7 @@ TEST_F(UdpEnds, AForgedSetUpUnderAKnownKeysNameIsRefused) {
 TEST_F(UdpEnds, AForgedAnswerDoesNotSpoilTheGenuineOne) {
   (void)robot->send(greeting(), now);
   arrive_up(take_up().at(0));
-  (void)server->send({"rover", {5}}, now);
+  (void)server->send({heard_last, {5}}, now);
   const UdpBytes answer = take_down().at(0).packet;
   for (std::size_t byte = 0; byte < answer.size(); ++byte) {
     UdpBytes forged = answer;
@@ -171,7 +171,7 @@ TEST_F(UdpEnds, AnAnswerIsNeverMuchLongerThanWhatAskedForIt) {
   (void)robot->send(greeting(), now);
   const UdpBytes asked = take_up().at(0);
   arrive_up(asked);
-  (void)server->send({"rover", UdpBytes(kMaxFrameBytes, 3)}, now);
+  (void)server->send({heard_last, UdpBytes(kMaxFrameBytes, 3)}, now);
   const auto answer = take_down();
   ASSERT_THAT(answer, SizeIs(1));
   EXPECT_LE(answer[0].packet.size(), UdpServerEnd::kMostGrowth * asked.size());
@@ -236,12 +236,28 @@ TEST_F(UdpEnds, TwoRobotsWithOneKeyBothGetThrough) {
   (void)twin.send(greeting(), now);
   settle_twin();
   EXPECT_EQ(server_got.back().bytes, greeting());
-  (void)server->send({"rover", {4, 0, 4}}, now);  // The layer above refuses it.
+  (void)server->send({heard_last, {4, 0, 4}}, now);  // The layer above refuses it.
   settle_twin();
   EXPECT_THAT(twin_got, testing::ElementsAre(UdpBytes{4, 0, 4}));
   now += seconds(1);
   settle_twin();
   EXPECT_TRUE(both_ways()) << "the first one goes on";
+}
+
+TEST_F(UdpEnds, WhatIsMeantForAnAgentNeverReachesItsTwin) {
+  connect();
+  const std::string first = heard_last;
+  UdpRobotEnd twin(rover_key(), 9'000'000);
+  const auto twin_at = address(2);
+  (void)twin.send(greeting(), now);
+  while (auto packet = twin.next_packet(now)) arrive_up(*packet, twin_at);
+  ASSERT_NE(heard_last, first);
+  ASSERT_TRUE(server->send({first, {7}}, now));
+  for (const auto& out : take_down()) {
+    EXPECT_EQ(out.to, robot_at);
+    arrive_down(out.packet);
+  }
+  EXPECT_THAT(robot_got, testing::ElementsAre(UdpBytes{7}));
 }
 
 }  // namespace

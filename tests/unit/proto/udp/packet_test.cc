@@ -14,7 +14,7 @@ UdpBytes frame_with(std::uint32_t session, const Record& record) {
 }
 
 TEST(UdpPacket, KeepsPayloadsWhole) {
-  const auto first = decode_first_payload(encode(FirstPayload{7, 9, {1, 2, 3}}));
+  const auto first = decode_first_payload(encode(FirstPayload{7, 9, 5, {1, 2, 3}}));
   ASSERT_TRUE(first);
   EXPECT_EQ(first->stamp, 7U);
   EXPECT_EQ(first->session, 9U);
@@ -29,7 +29,7 @@ TEST(UdpPacket, KeepsPayloadsWhole) {
 }
 
 TEST(UdpPacket, RefusesPayloadsThatAreTooShort) {
-  const UdpBytes first = encode(FirstPayload{7, 9, {}});
+  const UdpBytes first = encode(FirstPayload{7, 9, 5, {}});
   EXPECT_FALSE(decode_first_payload(std::span(first).first(first.size() - 1)));
   const UdpBytes second = encode(SecondPayload{11, {}});
   EXPECT_FALSE(decode_second_payload(std::span(second).first(second.size() - 1)));
@@ -43,7 +43,8 @@ TEST(UdpPacket, HasBytesThatNeverChange) {
   EXPECT_EQ(second_head(0x04030201), (UdpBytes{2, 1, 2, 3, 4}));
   EXPECT_EQ(unknown_packet(0x04030201), (UdpBytes{4, 1, 2, 3, 4}));
   EXPECT_EQ(data_head(0x04030201, 0xFF070605), (UdpBytes{5, 1, 2, 3, 4, 5, 6, 7}));
-  EXPECT_EQ(encode(FirstPayload{2, 3, {9}}), (UdpBytes{2, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 9}));
+  EXPECT_EQ(encode(FirstPayload{2, 3, 4, {9}}),
+            (UdpBytes{2, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 9}));
 }
 
 TEST(UdpPacket, CostsTwentyFourBytesAFrame) { EXPECT_EQ(kDataBytes, 24U); }

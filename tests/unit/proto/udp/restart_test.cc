@@ -54,7 +54,7 @@ TEST_F(UdpEnds, ACopyFromElsewhereDoesNotMoveARobot) {
   (void)robot->send(UdpBytes{2}, now);
   settle();
   arrive_up(held_back, address(66));  // Genuine, but older than what came from the robot itself.
-  (void)server->send({"rover", {3}}, now);
+  (void)server->send({heard_last, {3}}, now);
   EXPECT_EQ(take_down().at(0).to, robot_at);
   arrive_up(held_back, address(66));
   EXPECT_EQ(server_got.back().bytes, UdpBytes{1}) << "and counts once";
@@ -94,7 +94,7 @@ TEST_F(UdpEnds, AGreetingAfterSilenceSetsUpAnewAndTheOldSessionLivesUntilThen) {
   EXPECT_TRUE(both_ways());
   arrive_up(up[0]);
   EXPECT_EQ(server_got.back().bytes, greeting(2));
-  (void)server->send({"rover", {8}}, now);
+  (void)server->send({heard_last, {8}}, now);
   settle();
   EXPECT_EQ(robot_got.back(), UdpBytes{8});
   EXPECT_TRUE(both_ways());
@@ -128,7 +128,7 @@ TEST_F(UdpEnds, FramesUnderWayDuringARenewalStillArrive) {
   ASSERT_TRUE(both_ways());
   (void)robot->send(UdpBytes{1}, now);
   const UdpBytes late_up = take_up().at(0);
-  (void)server->send({"rover", {2}}, now);
+  (void)server->send({heard_last, {2}}, now);
   const UdpBytes late_down = take_down().at(0).packet;
   now += seconds(10);
   settle();
@@ -155,7 +155,7 @@ TEST_F(UdpEnds, ComesBackFromAnyMischief) {
       if (chance(0.01)) robot = make_robot(chance(0.5) ? stamp += 50 : 1);
       if (chance(0.02)) robot_at = address(static_cast<int>(random() % 100));
       (void)robot->send(chance(0.3) ? greeting(static_cast<std::uint32_t>(i)) : UdpBytes{1}, now);
-      (void)server->send({"rover", {2}}, now);
+      (void)server->send({heard_last, {2}}, now);
       for (auto& packet : take_up()) up.push_back(std::move(packet));
       for (auto& out : take_down()) down.push_back(std::move(out));
       std::ranges::shuffle(up, random);

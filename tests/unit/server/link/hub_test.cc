@@ -46,7 +46,9 @@ class AirCarrier : public proto::Carrier {
     return first;
   }
   [[nodiscard]] std::size_t overhead_bytes() const override { return 28; }
-  [[nodiscard]] bool proves_peers() const override { return air_->proves_peers; }
+  [[nodiscard]] std::optional<std::string> proven_robot(const std::string& peer) const override {
+    return air_->proves_peers ? std::optional(peer) : std::nullopt;
+  }
 
  private:
   std::shared_ptr<Air> air_;
@@ -239,6 +241,7 @@ TEST_F(HubTest, PassesOnWhatARobotReports) {
 }
 
 TEST_F(HubTest, CountsWhatIsNoFrame) {
+  air->proves_peers = true;
   say("rover-1", hello());
   ASSERT_TRUE(hear<proto::Welcome>("rover-1"));
   send("rover-1", {1, 2, 3});
