@@ -64,11 +64,11 @@ void ContinuousLocalization::begin_map() {
   maps_.push_back({HeightMap(config_.cell_size_mm), T_site_submap, progress_});
 }
 
-void ContinuousLocalization::take_scan(const Scan& scan, const LaserSpec& laser) {
+void ContinuousLocalization::take_scan(const Scan& scan, const LaserSpec& laser, double range_m) {
   for (ShortTermMap& map : maps_) {
     const Pose T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot_);
-    std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, config_.mapping_range_m);
-    shorten(beams, config_.mapping_range_m);
+    std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, range_m);
+    shorten(beams, range_m);
     std::optional<std::int32_t> ground_mm;
     if (laser.ground_along_beam) ground_mm = to_mm(T_submap_robot.z_m);
     integrator_.integrate(map.surface, beams, ground_mm, nullptr);

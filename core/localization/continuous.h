@@ -25,8 +25,7 @@ struct ContinuousConfig {
   /// A short-term map matures after this much way [m] and turning [rad], added up in parts.
   double mature_distance_m = 1.0;
   double mature_turn_rad = 0.8;
-  int overlapping_maps = 4;       ///< [Limit: 1 … 16] So many grow at a time.
-  double mapping_range_m = 15.0;  ///< [m] Beams count this far.
+  int overlapping_maps = 4;  ///< [Limit: 1 … 16] So many grow at a time.
   /// In a row. Maps that overlap share scans and are refused together: three lives of four maps.
   int refusals_until_lost = 12;
   /// [-] A correction whose innovation is larger waits until the next map confirms it
@@ -59,7 +58,8 @@ class ContinuousLocalization {
 
   /// The robot as dead reckoning has it now, earlier corrections included. Not finite: ignored.
   void move(const Pose& T_site_robot);
-  void take_scan(const Scan& scan, const LaserSpec& laser);
+  /// `range_m`: beams count this far.
+  void take_scan(const Scan& scan, const LaserSpec& laser, double range_m);
 
   /// Whether the oldest map is mature: `localize` will register it.
   [[nodiscard]] bool mature() const;

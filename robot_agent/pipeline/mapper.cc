@@ -39,6 +39,7 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       T_site_robot_(T_site_start),
       since_correction_(config.dead_reckoning),
       since_submap_(config.dead_reckoning),
+      incline_trust_(config.incline),
       tracking_(config.tracking),
       writer_(config, boot, evidence),
       replica_(config.cell_size_mm, config.sensor_model, config.kept_bytes),
@@ -52,8 +53,8 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
 void Mapper::take_motion(const MotionReading& reading) {
   const Pose before = dead_reckoning_.pose();
   if (!dead_reckoning_.update(reading)) return;
-  const double dt_s = to_seconds(reading.stamp - last_motion_);
-  watch_incline(before, reading.stamp);
+  const double dt_s = to_seconds(reading.stamp - std::exchange(last_motion_, reading.stamp));
+  incline_trust_.note(before, dead_reckoning_.pose(), reading.stamp);
   since_correction_.add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
   since_submap_.add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
   submap_turned_rad_ += std::abs(wrap_angle(dead_reckoning_.pose().yaw_rad - before.yaw_rad));
@@ -78,7 +79,7 @@ void Mapper::take_scan(const Scan& scan) {
   if (localization() == LocalizationState::lost) {
     relocalization_.take_scan(scan, laser, trusted_range_m(laser));
   } else {
-    localization_.take_scan(scan, laser);
+    localization_.take_scan(scan, laser, trusted_range_m(laser));
   }
   localize();
 }
@@ -119,22 +120,9 @@ void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   localization_.move(T_site_robot_);
 }
 
-void Mapper::watch_incline(const Pose& before, MonotonicTime stamp) {
-  const double dt_s = to_seconds(stamp - std::exchange(last_motion_, stamp));
-  if (dt_s <= 0.0) return;
-  // Signed rates, smoothed: the noise of the readings is no motion.
-  const Pose& after = dead_reckoning_.pose();
-  const Eigen::Vector2d rate((after.roll_rad - before.roll_rad) / dt_s,
-                             (after.pitch_rad - before.pitch_rad) / dt_s);
-  incline_rate_rad_s_ +=
-      (rate - incline_rate_rad_s_) * (1.0 - std::exp(-dt_s / config_.incline_lag_s));
-}
-
 double Mapper::trusted_range_m(const LaserSpec& laser) const {
   if (laser.ground_along_beam) return config_.mapping_range_m;  // A plane world has no incline.
-  return std::min(config_.mapping_range_m,
-                  config_.height_sigma_m / (config_.incline_sigma_rad +
-                                            incline_rate_rad_s_.norm() * config_.incline_lag_s));
+  return std::min(config_.mapping_range_m, incline_trust_.range_m());
 }
 
 // ---- Submaps ------------------------------------------------------------------------------------

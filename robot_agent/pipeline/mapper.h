@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/pose/dead_reckoning.h"
+#include "core/pose/incline_trust.h"
 #include "core/sensor/laser.h"
 #include "proto/sync/evidence_sender.h"
 #include "robot_agent/pipeline/drift.h"
@@ -77,7 +78,6 @@ class Mapper {
   };
 
   void place_robot();
-  void watch_incline(const Pose& before, MonotonicTime stamp);
   [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
   /// Whether a laser still cuts the world where it did: level, and the robot in one plane.
   [[nodiscard]] bool in_section(const LaserSpec& laser);
@@ -104,6 +104,7 @@ class Mapper {
   Pose T_site_robot_;
   Drift since_correction_;
   Drift since_submap_;
+  InclineTrust incline_trust_;
   Tracking tracking_;
   std::optional<double> section_z_m_;  ///< Height at which the tracked surfaces were met.
   SubmapWriter writer_;
@@ -113,7 +114,6 @@ class Mapper {
   std::vector<Mark> young_;  ///< Submaps that are not old yet, the open one last.
   bool chained_ = false;     ///< The next submap hangs on the last of `young_`.
   double submap_turned_rad_ = 0.0;
-  Eigen::Vector2d incline_rate_rad_s_ = Eigen::Vector2d::Zero();  ///< Roll and pitch, smoothed.
   MonotonicTime last_motion_{};
 };
 

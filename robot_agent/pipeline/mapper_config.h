@@ -7,6 +7,7 @@
 #include "core/localization/tracking.h"
 #include "core/map/sensor_model.h"
 #include "core/pose/dead_reckoning.h"
+#include "core/pose/incline_trust.h"
 
 namespace cairn::agent {
 
@@ -21,13 +22,7 @@ struct MapperConfig {
   DeadReckoningConfig dead_reckoning;
   /// [m] Beams count this far: beyond it the error of the inclinometer exceeds a kerb's height.
   double mapping_range_m = 15.0;
-  /// [rad] Error of roll and pitch while they do not change.
-  double incline_sigma_rad = 0.004;
-  /// [s] They lag this far behind while they do (T3.2); what is left of it fades at the same pace.
-  double incline_lag_s = 0.4;
-  /// [m] Beams also count no further than to where that error lifts their hits by this much: less
-  /// than half a step, so that it makes no obstacles out of slopes.
-  double height_sigma_m = 0.06;
+  InclineTrustConfig incline;
   double submap_distance_m = 8.0;         ///< [m] A submap is closed after this much way
   double submap_turn_rad = 4.0 * 3.1416;  ///< [rad] or this much turning.
   /// [m] Half length and half width of the wheel base: where the wheels stand is ground.

@@ -15,6 +15,7 @@
 #include "core/localization/match_raster.h"
 #include "core/map/update.h"
 #include "core/pose/dead_reckoning.h"
+#include "core/pose/incline_trust.h"
 #include "robot_agent/input/simulator.h"
 
 namespace cairn::bench {
@@ -82,12 +83,15 @@ class Localized {
 
   void take(const agent::Reading& reading, agent::Input& robot) {
     if (const auto* motion = std::get_if<MotionReading>(&reading)) {
+      const Pose before = alone_.pose();
       alone_.update(*motion);
       corrected_.update(*motion);
+      incline_trust_.note(before, alone_.pose(), motion->stamp);
       localization_.move(corrected_.pose());
       note(robot.truth()->T_site_robot);
     } else if (const auto* scan = std::get_if<Scan>(&reading)) {
-      localization_.take_scan(*scan, robot.lasers()[scan->laser]);
+      localization_.take_scan(*scan, robot.lasers()[scan->laser],
+                              std::min(kMappingRangeM, incline_trust_.range_m()));
     }
     correct();
   }
@@ -117,6 +121,7 @@ class Localized {
   const HeightMap& long_term_;
   DeadReckoning alone_;
   DeadReckoning corrected_;
+  InclineTrust incline_trust_{InclineTrustConfig{}};
   ContinuousLocalization localization_;
   Lap lap_;
 };
