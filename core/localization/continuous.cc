@@ -64,15 +64,17 @@ void ContinuousLocalization::begin_map() {
   maps_.push_back({HeightMap(config_.cell_size_mm), T_site_submap, progress_});
 }
 
-void ContinuousLocalization::take_scan(const Scan& scan, const LaserSpec& laser, double range_m) {
+void ContinuousLocalization::take_scan(const Scan& scan, const LaserSpec& laser,
+                                       double incline_sigma_rad) {
   for (ShortTermMap& map : maps_) {
     const Pose T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot_);
-    std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, range_m);
-    shorten(beams, range_m);
+    std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, config_.mapping_range_m);
+    shorten(beams, config_.mapping_range_m);
     std::optional<std::int32_t> ground_mm;
     if (laser.ground_along_beam) ground_mm = to_mm(T_submap_robot.z_m);
     integrator_.integrate(map.surface, beams, ground_mm, nullptr);
     ++map.scans;
+    map.incline_rad2 += incline_sigma_rad * incline_sigma_rad;
   }
 }
 
@@ -107,6 +109,7 @@ Registration ContinuousLocalization::register_map_of(const ShortTermMap& map,
   prior.T_site_submap = map.T_site_submap;
   prior.T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot_);
   prior.covariance = covariance;
+  prior.incline_sigma_rad = std::sqrt(map.incline_rad2 / static_cast<double>(map.scans));
   RegistrationConfig config = config_.registration;
   if (state_ == LocalizationState::lost) {
     config.wide_window = config_.lost_window;

@@ -28,6 +28,7 @@ struct ContinuousConfig {
   int overlapping_maps = 4;  ///< [Limit: 1 … 16] So many grow at a time.
   /// In a row. Maps that overlap share scans and are refused together: three lives of four maps.
   int refusals_until_lost = 12;
+  double mapping_range_m = 15.0;  ///< [m] Beams count this far.
   /// [-] A correction whose innovation is larger waits until the next map confirms it
   /// (squared Mahalanobis distance; 4 degrees of freedom: 5 % are beyond 9.5). What only the wide
   /// search found, and whatever a lost robot finds, waits for a map that shares no scan with it.
@@ -58,8 +59,8 @@ class ContinuousLocalization {
 
   /// The robot as dead reckoning has it now, earlier corrections included. Not finite: ignored.
   void move(const Pose& T_site_robot);
-  /// `range_m`: beams count this far.
-  void take_scan(const Scan& scan, const LaserSpec& laser, double range_m);
+  /// `incline_sigma_rad`: of the robot's roll and pitch at its time.
+  void take_scan(const Scan& scan, const LaserSpec& laser, double incline_sigma_rad);
 
   /// Whether the oldest map is mature: `localize` will register it.
   [[nodiscard]] bool mature() const;
@@ -82,6 +83,7 @@ class ContinuousLocalization {
     Pose T_site_submap;
     double begun_at = 0.0;  ///< In `progress_`.
     std::size_t scans = 0;
+    double incline_rad2 = 0.0;  ///< Sum over the scans of the incline's variance.
   };
   /// A correction that is not yet believed.
   struct Pending {

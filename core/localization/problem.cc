@@ -94,9 +94,10 @@ std::vector<ShortTermCell> short_term_cells(const MatchRaster& short_term, doubl
     for (int x = 0; x < short_term.width; ++x) {
       if (!short_term.known(x, y)) continue;
       const Eigen::Vector2d middle(short_term.lowest.x + x + 0.5, short_term.lowest.y + y + 0.5);
-      cells.push_back({middle * cell_m - robot_in_submap(prior),
-                       short_term.at(x, y) + above_foot_mm,
-                       top[short_term.index(x, y)] + above_foot_mm});
+      const Eigen::Vector2d from_robot_m = middle * cell_m - robot_in_submap(prior);
+      cells.push_back({from_robot_m, short_term.at(x, y) + above_foot_mm,
+                       top[short_term.index(x, y)] + above_foot_mm,
+                       prior.incline_sigma_rad * from_robot_m.norm() * 1000.0});
     }
   }
   return cells;

@@ -125,7 +125,7 @@ class NormalEquations {
     if (height_range_mm < config_.edge_relief_mm) flatten(around, surface);
     const Eigen::Vector4d J(surface.per_x, surface.per_y, -1000.0,
                             surface.per_y * x - surface.per_x * y);
-    add(J, surface.height_mm - height_mm, share * height_range_mm);
+    add(J, surface.height_mm - height_mm, std::hypot(share * height_range_mm, cell.incline_mm));
   }
 
   [[nodiscard]] const Normal& result() const { return normal_; }
@@ -140,8 +140,8 @@ class NormalEquations {
     surface.per_y = is_slope ? around.per_y / map_.cell_m : 0.0;
   }
 
-  void add(const Eigen::Vector4d& J, double residual_mm, double edge_mm) {
-    const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + edge_mm * edge_mm;
+  void add(const Eigen::Vector4d& J, double residual_mm, double spread_mm) {
+    const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + spread_mm * spread_mm;
     const double squared = residual_mm * residual_mm / variance;
     const double fit = 1.0 / (1.0 + squared / kMostMisfit);
     const double weight = fit * fit / variance;

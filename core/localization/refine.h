@@ -15,6 +15,7 @@ struct ShortTermCell {
   Eigen::Vector2d from_robot_m;  ///< Its middle, along the short-term map's axes.
   double height_mm = 0.0;        ///< Above the robot's foot.
   double top_mm = 0.0;           ///< The highest near it, see highest_around.
+  double incline_mm = 0.0;       ///< Spread of its height by the error of the robot's incline.
 };
 
 struct RefineConfig {

@@ -68,6 +68,9 @@ struct RegistrationPrior {
   Pose T_submap_robot;  ///< Where the robot is now; turns are made around this point.
   /// Of the robot's (x, y, z [m], yaw [rad]) in the site; the map is stiff and moves along.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
+  /// [rad] Of the robot's roll and pitch while it made the map: what lies far from it is off by so
+  /// much of the distance.
+  double incline_sigma_rad = 0.0;
 };
 
 /// The answer and its evidence.

@@ -14,9 +14,8 @@ void InclineTrust::note(const Pose& before, const Pose& after, MonotonicTime sta
   rate_rad_s_ += (rate - rate_rad_s_) * (1.0 - std::exp(-dt_s / config_.incline_lag_s));
 }
 
-double InclineTrust::range_m() const {
-  return config_.height_sigma_m /
-         (config_.incline_sigma_rad + rate_rad_s_.norm() * config_.incline_lag_s);
+double InclineTrust::sigma_rad() const {
+  return config_.incline_sigma_rad + rate_rad_s_.norm() * config_.incline_lag_s;
 }
 
 }  // namespace cairn

@@ -25,8 +25,10 @@ class InclineTrust {
 
   /// The robot's pose before and after a motion reading, and the reading's time.
   void note(const Pose& before, const Pose& after, MonotonicTime stamp);
+  /// [rad] Of roll and pitch, now.
+  [[nodiscard]] double sigma_rad() const;
   /// [m]
-  [[nodiscard]] double range_m() const;
+  [[nodiscard]] double range_m() const { return config_.height_sigma_m / sigma_rad(); }
 
  private:
   InclineTrustConfig config_;

@@ -11,10 +11,11 @@ PassersBy::PassersBy(const std::vector<PasserBy>& all) {
 
 void PassersBy::step(double dt_s, const Pose& T_site_robot) {
   const Eigen::Vector2d robot_m(T_site_robot.x_m, T_site_robot.y_m);
-  for (Walker& walker : walkers_) walk(walker, walker.who.speed_m_s * dt_s, robot_m);
+  for (Walker& walker : walkers_) walk(walker, dt_s, robot_m);
 }
 
-void PassersBy::walk(Walker& walker, double way_m, const Eigen::Vector2d& robot_m) {
+void PassersBy::walk(Walker& walker, double dt_s, const Eigen::Vector2d& robot_m) {
+  const double way_m = walker.who.speed_m_s * dt_s;
   const Eigen::Vector2d& aim_m = walker.going_back ? walker.who.from_m : walker.who.to_m;
   const Eigen::Vector2d left = aim_m - walker.at_m;
   const double left_m = left.norm();
@@ -25,7 +26,14 @@ void PassersBy::walk(Walker& walker, double way_m, const Eigen::Vector2d& robot_
   }
   const Eigen::Vector2d next_m = walker.at_m + left * (way_m / left_m);
   const bool nearer = (next_m - robot_m).norm() < (walker.at_m - robot_m).norm();
-  if (nearer && (next_m - robot_m).norm() < kRoomM) return;
+  if (nearer && (next_m - robot_m).norm() < kRoomM) {
+    walker.waited_s += dt_s;
+    if (walker.waited_s < kPatienceS) return;
+    walker.waited_s = 0.0;
+    walker.going_back = !walker.going_back;
+    return;
+  }
+  walker.waited_s = 0.0;
   walker.at_m = next_m;
 }
 
@@ -35,8 +43,9 @@ double PassersBy::range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& 
   const Eigen::Vector2d along = direction.head<2>();
   const double along2 = along.squaredNorm();
   if (along2 < 1e-12) return range_m;
-  for (const auto& [who, at_m, going_back] : walkers_) {
-    const Eigen::Vector2d off = origin.head<2>() - at_m;
+  for (const Walker& walker : walkers_) {
+    const PasserBy& who = walker.who;
+    const Eigen::Vector2d off = origin.head<2>() - walker.at_m;
     const double b = off.dot(along);
     const double root = b * b - along2 * (off.squaredNorm() - who.radius_m * who.radius_m);
     if (root < 0.0) continue;

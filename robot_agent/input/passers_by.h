@@ -16,8 +16,8 @@ struct PasserBy {
   double top_m = 1.8;  ///< [m] Height of the top in the site frame.
 };
 
-/// All who are about in a simulated world. They see the robot and stop short of it: who touches
-/// whom is the robot's doing.
+/// All who are about in a simulated world. They see the robot and stop short of it (who touches
+/// whom is the robot's doing); who has waited for a while turns round.
 class PassersBy {
  public:
   explicit PassersBy(const std::vector<PasserBy>& all);
@@ -32,14 +32,16 @@ class PassersBy {
 
   /// [m] They keep this far from the robot's middle.
   static constexpr double kRoomM = 1.3;
+  static constexpr double kPatienceS = 3.0;  ///< [s]
 
  private:
   struct Walker {
     PasserBy who;
     Eigen::Vector2d at_m;
     bool going_back = false;
+    double waited_s = 0.0;
   };
-  static void walk(Walker& walker, double way_m, const Eigen::Vector2d& robot_m);
+  static void walk(Walker& walker, double dt_s, const Eigen::Vector2d& robot_m);
 
   std::vector<Walker> walkers_;
 };

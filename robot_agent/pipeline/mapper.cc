@@ -79,7 +79,7 @@ void Mapper::take_scan(const Scan& scan) {
   if (localization() == LocalizationState::lost) {
     relocalization_.take_scan(scan, laser, trusted_range_m(laser));
   } else {
-    localization_.take_scan(scan, laser, trusted_range_m(laser));
+    localization_.take_scan(scan, laser, incline_sigma_rad(laser));
   }
   localize();
 }
@@ -118,6 +118,10 @@ void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   submap_turned_rad_ += std::abs(turn_rad);
   place_robot();
   localization_.move(T_site_robot_);
+}
+
+double Mapper::incline_sigma_rad(const LaserSpec& laser) const {
+  return laser.ground_along_beam ? 0.0 : incline_trust_.sigma_rad();
 }
 
 double Mapper::trusted_range_m(const LaserSpec& laser) const {

@@ -78,6 +78,7 @@ class Mapper {
   };
 
   void place_robot();
+  [[nodiscard]] double incline_sigma_rad(const LaserSpec& laser) const;
   [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
   /// Whether a laser still cuts the world where it did: level, and the robot in one plane.
   [[nodiscard]] bool in_section(const LaserSpec& laser);

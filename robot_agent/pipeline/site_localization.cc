@@ -11,6 +11,7 @@ ContinuousConfig continuous_config(const MapperConfig& config, bool given) {
   ContinuousConfig continuous = config.continuous;
   continuous.cell_size_mm = config.cell_size_mm;
   continuous.sensor_model = config.sensor_model;
+  continuous.mapping_range_m = config.mapping_range_m;
   // What the robot mapped itself is where it believes it to be, or the pose graph will say so.
   if (!given) continuous.registration.widen = false;
   return continuous;

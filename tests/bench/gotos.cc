@@ -62,6 +62,14 @@ DrivableGrid true_ground(const agent::World& world) {
   return make_drivable(std::move(grid), config);
 }
 
+/// Whether an operator could choose it: on the robot's map, with room for the vehicle.
+bool on_map(const DrivableGrid& known, const Eigen::Vector2d& place_m) {
+  const double cell_m = kCellMm / 1000.0;
+  const CellIndex cell{static_cast<std::int32_t>(std::floor(place_m.x() / cell_m)),
+                       static_cast<std::int32_t>(std::floor(place_m.y() / cell_m))};
+  return known.heights.contains(cell) && known.open[known.heights.at(cell)] != 0;
+}
+
 /// Somewhere near `from_m` to which there is a way.
 Eigen::Vector2d reachable_place(const DrivableGrid& ground, const Field& from_here,
                                 const Eigen::Vector2d& from_m, Random& random) {
@@ -215,13 +223,15 @@ void drive_goals(const std::string& name, std::uint64_t seed, int goals, Totals&
   config.world = name;
   config.seed = seed;
   SoloRobot robot(agent::make_simulator(config, std::move(world)).value(), &map);
+  const DrivableGrid known = robot.ground();
   for (int i = 0; i < goals; ++i) {
     const Pose here = robot.truth().T_site_robot;
     const Eigen::Vector2d here_m(here.x_m, here.y_m);
     const auto field = compute_field(ground, {static_cast<std::int32_t>(std::floor(here.x_m * 8)),
                                               static_cast<std::int32_t>(std::floor(here.y_m * 8))});
     if (!field) break;  // It stands too near to something to say where it could go.
-    const Eigen::Vector2d goal_m = reachable_place(ground, *field, here_m, random);
+    Eigen::Vector2d goal_m = reachable_place(ground, *field, here_m, random);
+    while (!on_map(known, goal_m)) goal_m = reachable_place(ground, *field, here_m, random);
     const int collisions = robot.truth().collisions;
     const SoloRobot::Trip trip = robot.go_to(goal_m, kLimit);
     const Pose end = robot.truth().T_site_robot;
@@ -245,7 +255,8 @@ void drive_goals(const std::string& name, std::uint64_t seed, int goals, Totals&
 
 int run(const std::string& world, int goals) {
   Totals totals;
-  for (std::uint64_t seed = kFirstSeed; totals.goals < goals; ++seed) {
+  for (std::uint64_t seed = getenv("SEED") ? std::atoi(getenv("SEED")) : kFirstSeed;
+       totals.goals < goals; ++seed) {
     drive_goals(world, seed, std::min(kGoalsPerRobot, goals - totals.goals), totals);
   }
   Report report("gotos");

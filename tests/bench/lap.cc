@@ -90,8 +90,7 @@ class Localized {
       localization_.move(corrected_.pose());
       note(robot.truth()->T_site_robot);
     } else if (const auto* scan = std::get_if<Scan>(&reading)) {
-      localization_.take_scan(*scan, robot.lasers()[scan->laser],
-                              std::min(kMappingRangeM, incline_trust_.range_m()));
+      localization_.take_scan(*scan, robot.lasers()[scan->laser], incline_trust_.sigma_rad());
     }
     correct();
   }

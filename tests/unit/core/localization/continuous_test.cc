@@ -51,7 +51,7 @@ class Drive {
     localization_.move(believed());
     for (const double pitch_deg : {15.0, 30.0, 50.0}) {
       const LaserSpec laser = down_looking(pitch_deg);
-      localization_.take_scan(look(laser, truth_), laser, 15.0);
+      localization_.take_scan(look(laser, truth_), laser, 0.0);
     }
     const auto answer = localization_.localize(long_term, test::sigmas(sigma_m_, radians(3.0)));
     if (answer && answer->accepted) {
@@ -124,7 +124,7 @@ TEST(ContinuousLocalization, TurningOnTheSpotMaturesAMapToo) {
   for (int i = 0; i < 40; ++i) {
     const Pose robot{0.0, 0.0, 0.0, 0.0, 0.0, wrap_angle(0.05 * i)};
     localization.move(robot);
-    localization.take_scan(look(laser, robot), laser, 15.0);
+    localization.take_scan(look(laser, robot), laser, 0.0);
   }
   EXPECT_TRUE(localization.mature());
 }
@@ -149,7 +149,7 @@ TEST(ContinuousLocalization, OnFeaturelessGroundStaysLocalizedAndInventsNothing)
         {truth.x_m + off.x_m, truth.y_m + off.y_m, corrected_z_m, 0.0, 0.0, off.yaw_rad});
     for (const double pitch_deg : {15.0, 30.0, 50.0}) {
       const LaserSpec laser = down_looking(pitch_deg);
-      localization.take_scan(look(laser, truth, test::FlatGround{}), laser, 15.0);
+      localization.take_scan(look(laser, truth, test::FlatGround{}), laser, 0.0);
     }
     const auto answer = localization.localize(map, test::sigmas(0.3, radians(3.0)));
     if (!answer) continue;

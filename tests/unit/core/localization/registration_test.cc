@@ -157,6 +157,30 @@ struct RandomGround {
   std::vector<Box> boxes;
 };
 
+/// The ground as a robot maps it that takes itself for level and stands nose down.
+struct Tipped {
+  test::RichGround ground;
+  double operator()(double x_m, double y_m) const {
+    return ground(x_m, y_m) + 0.025 * (x_m - kRobot.x_m);
+  }
+};
+
+TEST(Registration, OfAMapMadeOnARockingRobotAgreesOnlyAsFarAsItsInclineIsKnown) {
+  std::mt19937_64 random(3);
+  const HeightMap long_term = test::long_term_of(test::RichGround{}, random, 0.8);
+  const HeightMap short_term = test::short_term_of(Tipped{}, kRobot, random);
+  RegistrationPrior prior;
+  prior.T_site_submap = {kRobot.x_m, kRobot.y_m, kRobot.z_m, 0.0, 0.0, kRobot.yaw_rad};
+  prior.covariance = test::sigmas(0.4, radians(5.0));
+  const Registration sure = register_map(short_term, prior, long_term, {});
+  EXPECT_FALSE(sure.accepted);
+  prior.incline_sigma_rad = 0.04;
+  const Registration unsure = register_map(short_term, prior, long_term, {});
+  EXPECT_TRUE(unsure.accepted) << unsure.why;
+  EXPECT_NEAR(unsure.T_site_submap.x_m, kRobot.x_m, 0.1);
+  EXPECT_NEAR(unsure.T_site_submap.y_m, kRobot.y_m, 0.1);
+}
+
 TEST(Registration, OfAMapWithItselfDisplacedReturnsTheDisplacement) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     std::mt19937_64 random(seed);
