@@ -176,7 +176,8 @@ TEST(Registration, OfAMapMadeOnARockingRobotAgreesOnlyAsFarAsItsInclineIsKnown) 
   EXPECT_FALSE(sure.accepted);
   prior.incline_sigma_rad = 0.04;
   const Registration unsure = register_map(short_term, prior, long_term, {});
-  EXPECT_TRUE(unsure.accepted) << unsure.why;
+  EXPECT_TRUE(unsure.accepted) << unsure.why << ", misfit " << unsure.misfit << ", inliers "
+                               << unsure.inliers << ", residual " << unsure.residual_mm;
   EXPECT_NEAR(unsure.T_site_submap.x_m, kRobot.x_m, 0.1);
   EXPECT_NEAR(unsure.T_site_submap.y_m, kRobot.y_m, 0.1);
 }
