@@ -56,7 +56,8 @@ class EvidenceSender {
   };
   /// All submaps here, those of this boot first, in their order.
   [[nodiscard]] std::vector<Unheld> unheld() const;
-  /// nullopt when it is not here (any more). Costs about a microsecond per block.
+  /// nullopt when it is not here (any more). Costs time in
+  /// proportion to its blocks.
   [[nodiscard]] std::optional<KeptSubmap> copy_of(const SubmapId& id) const;
   /// Takes up a submap to which nothing will be added, made by this `boot` or an earlier one. What
   /// the server holds of it is found out by sending. False, changing nothing, when it is here
