@@ -211,9 +211,9 @@ std::string spool_text(const api::LinkJson& link) {
 std::string link_text(const api::StatusReply& before, const api::StatusReply& after) {
   if (after.robots.empty()) return robots_text(after);
   const double seconds = after.uptime_s - before.uptime_s;
-  std::vector<std::vector<std::string>> states = {
-      {"ROBOT", "LINK", "ROUND TRIP", "SILENCE", "LOST", "MALFORMED", "BACKLOG", "SYNCHRONISED",
-       "SPOOL"}};
+  std::vector<std::vector<std::string>> states = {{"ROBOT", "LINK", "ROUND TRIP", "SILENCE", "LOST",
+                                                   "MALFORMED", "BACKLOG", "SYNCHRONISED",
+                                                   "SPOOL"}};
   std::vector<std::vector<std::string>> traffic = {{"ROBOT", "WAY", "BYTES", "KBIT/S", "CONTROL",
                                                     "POSE", "MAP", "BUDGET", "LOSS", "QUEUE",
                                                     "UNACKED"}};

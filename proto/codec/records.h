@@ -275,8 +275,8 @@ struct Ack {
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 
-using Record = std::variant<Hello, PoseReport, SpoolReport, SubmapHead, EvidencePatch, CommandReport, Bye,
-                            Welcome, Reject, Reset, Refusal, Command, PathPart, MapPatch,
-                            SubmapMove, MapCommit, GroundLost, Ack>;
+using Record = std::variant<Hello, PoseReport, SpoolReport, SubmapHead, EvidencePatch,
+                            CommandReport, Bye, Welcome, Reject, Reset, Refusal, Command, PathPart,
+                            MapPatch, SubmapMove, MapCommit, GroundLost, Ack>;
 
 }  // namespace cairn::proto

@@ -169,7 +169,7 @@ class RobotLink {
   MonotonicTime told_at_{};
   std::optional<SpoolReport> spool_;
   std::optional<MonotonicTime> spool_told_at_;  ///< In this session.
-  bool round_open_ = false;  ///< Evidence is being sent.
+  bool round_open_ = false;                     ///< Evidence is being sent.
   MonotonicTime round_due_{};
   LinkCounters counters_;
 };

@@ -144,7 +144,7 @@ class ServerLink {
   OrderSender orders_;
   MapSender map_;
   PatchReceiver patches_;
-  std::optional<GroundLost> ground_lost_;  ///< To be said.
+  std::optional<GroundLost> ground_lost_;       ///< To be said.
   std::map<std::uint32_t, SubmapId> borrowed_;  ///< In this session. [Limit: ≤ kMaxBorrowed]
   std::deque<Heard> heard_;        ///< Newest report of each revision. [Limit: ≤ kMaxReports]
   std::vector<Refusal> refusals_;  ///< [Limit: ≤ kMaxRefusals]

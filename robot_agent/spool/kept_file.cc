@@ -97,10 +97,10 @@ Status check_frame(std::span<const std::uint8_t> bytes) {
     return corrupt("it is no spooled submap");
   }
   if (bytes[kMagic.size()] != kVersion) {
-    return Error{ErrorCode::unsupported_version, "it is of version " + std::to_string(bytes[kMagic.size()]) +
-                                         " of the format, this agent reads version " +
-                                         std::to_string(kVersion) +
-                                         ": deliver it with the agent that wrote it"};
+    return Error{ErrorCode::unsupported_version,
+                 "it is of version " + std::to_string(bytes[kMagic.size()]) +
+                     " of the format, this agent reads version " + std::to_string(kVersion) +
+                     ": deliver it with the agent that wrote it"};
   }
   proto::ByteReader checksum(bytes.last(kChecksumBytes));
   if (checksum.get<std::uint32_t>() != proto::crc32c(bytes.first(bytes.size() - kChecksumBytes))) {

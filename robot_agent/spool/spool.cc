@@ -5,8 +5,7 @@
 
 namespace cairn::agent {
 
-Spool::Spool(const SpoolConfig& config, std::uint64_t boot)
-    : config_(config), boot_(boot) {
+Spool::Spool(const SpoolConfig& config, std::uint64_t boot) : config_(config), boot_(boot) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -110,8 +109,7 @@ bool Spool::flush(proto::EvidenceSender& sender, MonotonicTime now,
 proto::SpoolReport Spool::report() const {
   const std::scoped_lock lock(mutex_);
   proto::SpoolReport report = report_;
-  report.submaps = static_cast<std::uint32_t>(in_sender_ + waiting_on_disk_ +
-                                              (taken_up_ ? 1 : 0));
+  report.submaps = static_cast<std::uint32_t>(in_sender_ + waiting_on_disk_ + (taken_up_ ? 1 : 0));
   return report;
 }
 

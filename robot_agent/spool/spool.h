@@ -112,9 +112,9 @@ class Spool {
   bool taking_up_ = true;  ///< The thread reads the folder, or a submap for the sender …
   std::optional<proto::KeptSubmap> taken_up_;  ///< … which has arrived here.
   std::vector<SubmapId> unsaved_;              ///< Whose copies the disk refused.
-  std::set<SubmapId> counted_;       ///< Dropped from the disk while still in the sender.
-  std::size_t waiting_on_disk_ = 0;  ///< As `away_`.
-  proto::SpoolReport report_;        ///< All but the count of submaps.
+  std::set<SubmapId> counted_;                 ///< Dropped from the disk while still in the sender.
+  std::size_t waiting_on_disk_ = 0;            ///< As `away_`.
+  proto::SpoolReport report_;                  ///< All but the count of submaps.
   std::uint64_t said_went_ = 0;
   std::vector<std::string> news_;  ///< [Limit: ≤ kMaxNews]
 

@@ -76,8 +76,8 @@ Result<std::unique_ptr<SpoolFolder>> SpoolFolder::open(const fs::path& folder) {
   std::unique_ptr<SpoolFolder> made(new SpoolFolder(folder, folder_fd, lock_fd));
   if (locked) return made;
   if (lock_fd < 0) return io_error("cannot write to the folder", folder, number);
-  return Error{ErrorCode::conflict, "another agent uses the folder " + folder.string() +
-                                        ": give each its own --spool"};
+  return Error{ErrorCode::conflict,
+               "another agent uses the folder " + folder.string() + ": give each its own --spool"};
 }
 
 Result<std::vector<SpoolFolder::File>> SpoolFolder::list() {

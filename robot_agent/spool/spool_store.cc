@@ -87,8 +87,8 @@ Status SpoolStore::set_aside(Entries::iterator entry, const Error& why) {
   const std::string file = folder_->path_of(name).filename().string();
   const Status moved = folder_->set_aside(name);
   forget(entry);
-  const std::string now = moved ? "set aside in " + std::string(SpoolFolder::kAside) + "/"
-                                : moved.error().message;
+  const std::string now =
+      moved ? "set aside in " + std::string(SpoolFolder::kAside) + "/" : moved.error().message;
   return Error{why.code, file + " (" + now + "): " + why.message};
 }
 

@@ -71,7 +71,9 @@ TEST(LinkText, TellsHowLongTheRestWillTakeAtTheLatestPace) {
 TEST(LinkText, TellsWhatWaitsOnTheRobotsDiskAndWhatWentThere) {
   api::RobotJson robot;
   robot.id = "r1";
-  const auto text = [&] { return link_text({"0.1.0", 10, {}, {robot}}, {"0.1.0", 12, {}, {robot}}); };
+  const auto text = [&] {
+    return link_text({"0.1.0", 10, {}, {robot}}, {"0.1.0", 12, {}, {robot}});
+  };
   EXPECT_THAT(text(), Not(HasSubstr("submaps")));
   robot.link.spool = api::SpoolJson{"ok", 12, 3'000'000, 0, 0};
   EXPECT_THAT(text(), HasSubstr("12 submaps, 3.0 MB"));

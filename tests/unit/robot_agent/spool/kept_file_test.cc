@@ -11,8 +11,8 @@ namespace cairn::agent {
 namespace {
 
 using testing::kOwner;
-using testing::sample;
 using testing::same;
+using testing::sample;
 
 constexpr std::size_t kChecksumBytes = 4;
 

@@ -14,8 +14,8 @@ namespace cairn::agent {
 namespace {
 
 using testing::kOwner;
-using testing::sample;
 using testing::same;
+using testing::sample;
 namespace fs = std::filesystem;
 
 /// No file may grow beyond so many bytes, as on a disk that is full.
