@@ -64,7 +64,13 @@ TEST_F(SpoolTest, WhatWasMappedWhileTheServerWasAwayOutlivesTheAgentAndArrivesOn
   const Finished there = server_.cairn({"goto", "5", "2.5", "--follow"}, 60s);
   ASSERT_EQ(there.exit_code, 0) << there.output;
   ASSERT_EQ(server_.cairn({"goto", "0", "0", "--on-link-loss", "continue"}).exit_code, 0);
-  ASSERT_TRUE(eventually([&] { return robot().value("drive", "") == "driving"; }, 20s));
+  ASSERT_TRUE(eventually(
+      [&] {
+        const json command = robot().value("command", json::object());
+        return command.value("id", 0) == 2 && command.value("state", "") == "accepted";
+      },
+      20s))
+      << robot().dump();
   server_.process().kill();
   ASSERT_TRUE(agent.wait_for_output("command 2: arrived", 60s)) << agent.output();
   // The last of its way is on disk a few seconds later.

@@ -76,7 +76,7 @@ TEST(LinkText, TellsWhatWaitsOnTheRobotsDiskAndWhatWentThere) {
   };
   EXPECT_THAT(text(), Not(HasSubstr("submaps")));
   robot.link.spool = api::SpoolJson{"ok", 12, 3'000'000, 0, 0};
-  EXPECT_THAT(text(), HasSubstr("12 submaps, 3.0 MB"));
+  EXPECT_THAT(text(), HasSubstr("12 submaps, 3.00 MB"));
   EXPECT_THAT(text(), Not(AnyOf(HasSubstr("THINNED"), HasSubstr("DROPPED"), HasSubstr("FAILED"))));
   robot.link.spool = api::SpoolJson{"failed", 12, 3'000'000, 5, 2};
   EXPECT_THAT(text(), HasSubstr("5 THINNED, 2 DROPPED, DISK FAILED"));

@@ -13,7 +13,7 @@ TEST(Metrics, HaveARobotsLinkAndASitesMap) {
   robot.id = "r1";
   robot.site = "yard";
   robot.link = {true, 0.25, 0.1, 12'345'678'901, 2, 3, 4, 5};
-  robot.link.spool = SpoolJson{"failed", 12, 3'456'789, 5, 2};
+  robot.link.spool = api::SpoolJson{"failed", 12, 3'456'789, 5, 2};
   api::SiteJson site;
   site.name = "yard";
   site.known_cells = 42;
