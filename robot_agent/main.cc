@@ -43,6 +43,8 @@ struct Options {
   double link_min_kbit = cairn::proto::BudgetConfig{}.floor_bit_s * 1e-3;
   double link_max_kbit = cairn::proto::BudgetConfig{}.ceiling_bit_s * 1e-3;
   double pose_period_s = 1.0;
+  std::string spool;
+  std::uint64_t spool_mb = 256;
   std::string robot = "robot";
   std::string site = "lab";
   int cell_mm = 125;
@@ -103,6 +105,13 @@ void describe(CLI::App& app, Options& options) {
                  "How often it tells its pose while it moves [s]")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
+  app.add_option("--spool", options.spool,
+                 "Keep evidence in this folder until the server holds it, also beyond the end of "
+                 "this agent; the next one with the same folder, --robot and --site delivers it");
+  app.add_option("--spool-mb", options.spool_mb,
+                 "The spool never takes more; then the oldest detail goes [MB]")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
   app.add_option("--robot", options.robot, "This robot's id: a-z, 0-9, '-', '_'")
       ->capture_default_str();
   app.add_option("--site", options.site, "The site it works on (founded with `cairn found`)")
@@ -149,6 +158,17 @@ cairn::agent::AgentConfig config_of(const Options& options) {
   return config;
 }
 
+std::unique_ptr<cairn::agent::Spool> make_spool(const Options& options,
+                                                const cairn::agent::AgentConfig& config) {
+  if (options.spool.empty()) return nullptr;
+  cairn::agent::SpoolConfig spool;
+  spool.folder = options.spool;
+  spool.most_bytes = options.spool_mb << 20U;
+  spool.owner = {options.robot, options.site, options.cell_mm};
+  spool.coarseness = config.mapper.coarseness;
+  return std::make_unique<cairn::agent::Spool>(spool, config.link.boot);
+}
+
 Result<std::unique_ptr<Input>> open_input(const Options& options) {
   if (!options.replay.empty()) {
     cairn::agent::LogConfig log;
@@ -180,16 +200,22 @@ void tell_journey(const cairn::agent::Journey& journey) {
       truth->collisions);
 }
 
-/// The connection as the log shows it, a line for each change.
-class LinkWatch {
+/// What the log shows of the connection and the spool, a line for each change.
+class Watch {
  public:
+  explicit Watch(cairn::agent::Spool* spool) : spool_(spool) {}
+
   void look(const cairn::proto::RobotLink& link) {
+    if (spool_ != nullptr) {
+      for (const std::string& line : spool_->take_news()) spdlog::warn("spool: {}", line);
+    }
     if (link.connected() == connected_) return;
     connected_ = link.connected();
     spdlog::info(connected_ ? "connected to the server" : "the server does not answer");
   }
 
  private:
+  cairn::agent::Spool* spool_;
   bool connected_ = false;
 };
 
@@ -199,10 +225,10 @@ Status check_rejected(const Agent& agent) {
 }
 
 /// Real time, or a multiple of it: the robot lives until it is told to end.
-Status run_live(Agent& agent, double speed) {
+Status run_live(Agent& agent, cairn::agent::Spool* spool, double speed) {
   constexpr auto kPeriod = 50ms;
   const auto start = std::chrono::steady_clock::now();
-  LinkWatch watch;
+  Watch watch(spool);
   auto next = start;
   while (!stop_asked) {
     const MonotonicTime clock = since(start);
@@ -223,13 +249,14 @@ Status run_live(Agent& agent, double speed) {
     if (Status status = check_rejected(agent); !status) return status;
     if (const auto journey = agent.take_journey()) tell_journey(*journey);
   }
+  if (!agent.keep_the_rest(since(start))) spdlog::warn("spool: not all evidence is on disk");
   return {};
 }
 
 /// A log, as fast as the link takes it; ends when the server holds everything.
-Status run_replay(Agent& agent, Input& input) {
+Status run_replay(Agent& agent, cairn::agent::Spool* spool, Input& input) {
   const auto start = std::chrono::steady_clock::now();
-  LinkWatch watch;
+  Watch watch(spool);
   const auto service = [&](std::chrono::milliseconds wait) -> Status {
     if (Status done = agent.exchange(since(start), wait); !done) return done;
     watch.look(agent.link());
@@ -248,9 +275,10 @@ Status run_replay(Agent& agent, Input& input) {
     if (Status done = service(0ms); !done) return done;
   }
   agent.finish();
-  while (!agent.link().evidence().synchronised() && !stop_asked) {
+  while (!agent.delivered() && !stop_asked) {
     if (Status done = service(5ms); !done) return done;
   }
+  if (!agent.keep_the_rest(since(start))) spdlog::warn("spool: not all evidence is on disk");
   const double real_s = cairn::to_seconds(since(start));
   spdlog::info(
       "replayed {:.0f} s of log in {:.1f} s ({:.0f} times real time): {} beams, {:.1f} m, "
@@ -300,11 +328,13 @@ Status run(const Options& options) {
   if (!input) return input.error();
   auto carrier = open_carrier(options);
   if (!carrier) return carrier.error();
-  Agent agent(config_of(options), **input, **carrier);
+  const cairn::agent::AgentConfig config = config_of(options);
+  const auto spool = make_spool(options, config);
+  Agent agent(config, **input, **carrier, spool.get());
   spdlog::info("robot {} on site {}, looking for the server at {}", options.robot, options.site,
                options.server);
-  Status result =
-      options.replay.empty() ? run_live(agent, options.speed) : run_replay(agent, **input);
+  Status result = options.replay.empty() ? run_live(agent, spool.get(), options.speed)
+                                         : run_replay(agent, spool.get(), **input);
   const auto& counters = agent.link().counters();
   spdlog::info("link: {} bytes up, {} bytes down, {} frames lost", counters.bytes_sent,
                counters.bytes_received, counters.frames_lost);
@@ -329,6 +359,7 @@ int main(int argc, char** argv) {
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   std::signal(SIGINT, [](int) { stop_asked = true; });
   std::signal(SIGTERM, [](int) { stop_asked = true; });
+  std::signal(SIGXFSZ, SIG_IGN);  // A file that may not grow is the spool's to report.
   if (Status result = run(options); !result) {
     std::cerr << "cairn-agent: " << result.error().message << '\n';
     return 1;

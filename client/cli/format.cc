@@ -194,13 +194,26 @@ std::string synchronised_text(const api::LinkJson& from, const api::LinkJson& li
   return "in " + age_text(link.backlog_blocks * seconds / gone);
 }
 
+/// What waits on the robot, and what had to go there.
+std::string spool_text(const api::LinkJson& link) {
+  if (!link.spool) return "-";
+  const api::SpoolJson& spool = *link.spool;
+  std::string text =
+      count_text(spool.submaps) + " submaps, " + bytes_text(static_cast<double>(spool.bytes));
+  if (spool.thinned > 0) text += ", " + count_text(spool.thinned) + " THINNED";
+  if (spool.dropped > 0) text += ", " + count_text(spool.dropped) + " DROPPED";
+  if (spool.state != "ok") text += ", DISK FAILED";
+  return text;
+}
+
 }  // namespace
 
 std::string link_text(const api::StatusReply& before, const api::StatusReply& after) {
   if (after.robots.empty()) return robots_text(after);
   const double seconds = after.uptime_s - before.uptime_s;
-  std::vector<std::vector<std::string>> states = {
-      {"ROBOT", "LINK", "ROUND TRIP", "SILENCE", "LOST", "MALFORMED", "BACKLOG", "SYNCHRONISED"}};
+  std::vector<std::vector<std::string>> states = {{"ROBOT", "LINK", "ROUND TRIP", "SILENCE", "LOST",
+                                                   "MALFORMED", "BACKLOG", "SYNCHRONISED",
+                                                   "SPOOL"}};
   std::vector<std::vector<std::string>> traffic = {{"ROBOT", "WAY", "BYTES", "KBIT/S", "CONTROL",
                                                     "POSE", "MAP", "BUDGET", "LOSS", "QUEUE",
                                                     "UNACKED"}};
@@ -212,7 +225,7 @@ std::string link_text(const api::StatusReply& before, const api::StatusReply& af
                       printed("%.0f ms", link.round_trip_s * 1e3), age_text(link.silence_s),
                       count_text(link.frames_lost) + " frames", count_text(link.frames_malformed),
                       count_text(link.backlog_blocks) + " blocks",
-                      synchronised_text(from, link, seconds)});
+                      synchronised_text(from, link, seconds), spool_text(link)});
     for (const bool up : {true, false}) traffic.push_back(traffic_row(robot, from, up, seconds));
   }
   return table_text(states) + '\n' + table_text(traffic);

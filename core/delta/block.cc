@@ -107,6 +107,16 @@ void SubmapVersions::told(const BlockKey& key) {
   if (it != blocks_.end()) it->second.told = true;
 }
 
+void SubmapVersions::restore(const BlockKey& key, std::uint32_t version,
+                             const std::bitset<kBlockCells>& ever_changed) {
+  Block& block = blocks_[key];
+  block.version = version;
+  block.told = true;
+  for (int i = 0; i < kBlockCells; ++i) {
+    block.changed_at[at(i)] = ever_changed[at(i)] ? version : 0;
+  }
+}
+
 BlockDelta SubmapVersions::changes_since(const BlockKey& key, std::uint32_t base,
                                          const Submap& submap) const {
   BlockDelta delta;

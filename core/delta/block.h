@@ -67,6 +67,10 @@ class SubmapVersions {
   /// Every cell changed after version `base`, with its present value from `map`.
   [[nodiscard]] BlockDelta changes_since(const BlockKey& key, std::uint32_t base,
                                          const Submap& submap) const;
+  /// As it was when it was written down: a block's present version, and the cells (all of their
+  /// values, of whatever version) that were ever changed. It counts as told.
+  void restore(const BlockKey& key, std::uint32_t version,
+               const std::bitset<kBlockCells>& ever_changed);
   /// The block's present version goes out: what changes from now on is of the next.
   void told(const BlockKey& key);
 

@@ -55,13 +55,19 @@ class ContextImage {
   static constexpr std::size_t kMaxSubmaps = 4;
 
  private:
+  /// Sequences with the highest bit set name submaps of earlier boots: older than any other.
+  struct Older {
+    bool operator()(std::uint32_t a, std::uint32_t b) const {
+      return static_cast<std::int32_t>(a) < static_cast<std::int32_t>(b);
+    }
+  };
   using Blocks = std::unordered_map<BlockKey, std::unique_ptr<Block>, BlockKeyHash>;
 
   Block& make(std::uint32_t sequence, const BlockKey& key);
   void forget_oldest();
 
-  std::map<std::uint32_t, Blocks> submaps_;  ///< [Limit: ≤ kMaxSubmaps]
-  std::size_t blocks_ = 0;                   ///< [Limit: ≤ kMaxBlocks]
+  std::map<std::uint32_t, Blocks, Older> submaps_;  ///< [Limit: ≤ kMaxSubmaps]
+  std::size_t blocks_ = 0;                          ///< [Limit: ≤ kMaxBlocks]
 };
 
 /// A cell of the image after one more change.

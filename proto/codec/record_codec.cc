@@ -64,6 +64,21 @@ void fields(Io& io, typename Io::template Ref<PoseReport> r) {
 }
 
 template <class Io>
+void fields(Io& io, typename Io::template Ref<SpoolReport> r) {
+  io.flag("failed", r.failed);
+  io.number("submaps", r.submaps);
+  io.number("bytes", r.bytes);
+  io.number("thinned", r.thinned);
+  io.number("dropped", r.dropped);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<SubmapId> r) {
+  io.number("boot", r.boot);
+  io.template number<std::uint32_t>("own sequence", r.sequence, 1, kFirstBorrowedSequence - 1);
+}
+
+template <class Io>
 void fields(Io& io, typename Io::template Ref<SubmapLink> r) {
   fields(io, r.T_previous_submap);
   io.number("sigma xy", r.sigma_xy_mm);
@@ -82,6 +97,8 @@ void fields(Io& io, typename Io::template Ref<SubmapHead> r) {
   io.require("final versions", r.closed ? r.final_versions >= r.blocks : r.final_versions == 0);
   io.number("edition", r.edition);
   io.optional("link", r.link, [](Io& each, auto& link) { fields(each, link); });
+  io.optional("earlier", r.earlier, [](Io& each, auto& id) { fields(each, id); });
+  io.require("sequence", r.earlier.has_value() == (r.sequence >= kFirstBorrowedSequence));
 }
 
 template <class Io>
@@ -206,6 +223,7 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, EvidencePatch>) return {4, Sender::robot, "evidence patch"};
   if constexpr (std::is_same_v<R, CommandReport>) return {5, Sender::robot, "command report"};
   if constexpr (std::is_same_v<R, Bye>) return {6, Sender::robot, "bye"};
+  if constexpr (std::is_same_v<R, SpoolReport>) return {7, Sender::robot, "spool report"};
   if constexpr (std::is_same_v<R, Welcome>) return {17, Sender::server, "welcome"};
   if constexpr (std::is_same_v<R, Reject>) return {18, Sender::server, "reject"};
   if constexpr (std::is_same_v<R, Reset>) return {19, Sender::server, "reset"};

@@ -60,9 +60,27 @@ struct PoseReport {
   friend bool operator==(const PoseReport&, const PoseReport&) = default;
 };
 
+/// What the robot keeps on its disk of the evidence that the server does not hold; newest only,
+/// never resent. A robot that keeps none says nothing.
+struct SpoolReport {
+  bool failed = false;        ///< The disk takes no more: what is new is in memory only.
+  std::uint32_t submaps = 0;  ///< Not held by the server in full, on disk or in memory.
+  std::uint64_t bytes = 0;    ///< On disk.
+  std::uint32_t thinned = 0;  ///< Submaps of which the layer seen through had to go, in this boot.
+  std::uint32_t dropped = 0;  ///< Submaps that had to go whole, in this boot.
+  friend bool operator==(const SpoolReport&, const SpoolReport&) = default;
+};
+
+/// Sequences from here on name, for the time of a session, submaps of earlier boots.
+inline constexpr std::uint32_t kFirstBorrowedSequence = 0x8000'0000;
+
 /// A submap's head. When `closed`, `blocks` tells how many blocks it has in all, so that the server
 /// knows when it holds everything. `edition` names the newest MapCommit that the pose accounts for:
 /// a server that has moved the robot's submaps since then moves this one, too.
+///
+/// A robot that took up a submap from its disk does not know what the server holds of it beyond
+/// that. It closes it when everything it has was acknowledged, and counts no blocks: then what the
+/// server holds is all.
 struct SubmapHead {
   std::uint32_t sequence = 0;
   std::uint32_t version = 0;  ///< Counts changes of this head. [Limit: ≥ 1]
@@ -72,6 +90,9 @@ struct SubmapHead {
   std::uint64_t final_versions = 0;  ///< Sum of all blocks' versions when closed, else 0.
   std::uint32_t edition = 0;
   std::optional<SubmapLink> link{};  ///< None for the boot's first submap.
+  /// Whose sequence is borrowed (≥ kFirstBorrowedSequence): the submap's own name. An edition is
+  /// counted in that boot.
+  std::optional<SubmapId> earlier{};
   friend bool operator==(const SubmapHead&, const SubmapHead&) = default;
 };
 inline constexpr std::uint32_t kMaxSubmapBlocks = 65536;
@@ -254,8 +275,8 @@ struct Ack {
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 
-using Record = std::variant<Hello, PoseReport, SubmapHead, EvidencePatch, CommandReport, Bye,
-                            Welcome, Reject, Reset, Refusal, Command, PathPart, MapPatch,
-                            SubmapMove, MapCommit, GroundLost, Ack>;
+using Record = std::variant<Hello, PoseReport, SpoolReport, SubmapHead, EvidencePatch,
+                            CommandReport, Bye, Welcome, Reject, Reset, Refusal, Command, PathPart,
+                            MapPatch, SubmapMove, MapCommit, GroundLost, Ack>;
 
 }  // namespace cairn::proto

@@ -20,6 +20,7 @@ constexpr std::array kTaskStates = {"active"sv, "done"sv, "failed"sv, "cancelled
 constexpr std::array kStates = {"sent"sv,    "accepted"sv, "refused"sv, "superseded"sv,
                                 "arrived"sv, "stopped"sv,  "expired"sv, "blocked"sv};
 constexpr std::array kLocalizations = {"localized"sv, "unsure"sv, "lost"sv};
+constexpr std::array kSpoolStates = {"ok"sv, "failed"sv};
 constexpr std::array kDrives = {"idle"sv, "driving"sv, "blocked"sv, "stopped"sv};
 constexpr std::array kPathStatuses = {"complete"sv, "partial"sv, "none"sv};
 
@@ -56,6 +57,16 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, SpoolJson>
+void describe(V& v, M& m) {
+  v.required("state", m.state, one_of(kSpoolStates));
+  v.required("submaps", m.submaps, kCount);
+  v.required("bytes", m.bytes, kCount);
+  v.required("thinned", m.thinned, kCount);
+  v.required("dropped", m.dropped, kCount);
+}
+
+template <class V, class M>
 requires std::same_as<std::remove_const_t<M>, LinkJson>
 void describe(V& v, M& m) {
   v.required("connected", m.connected);
@@ -74,6 +85,7 @@ void describe(V& v, M& m) {
   v.required("down", m.down);
   v.required("frames_malformed", m.frames_malformed, kCount);
   v.required("backlog_blocks", m.backlog_blocks, kCount);
+  v.optional("spool", m.spool);
 }
 
 template <class V, class M>
@@ -290,6 +302,7 @@ static void write(nlohmann::json& json, const T& message) {
 
 CAIRN_MESSAGE(PointJson)
 CAIRN_MESSAGE(TrafficJson)
+CAIRN_MESSAGE(SpoolJson)
 CAIRN_MESSAGE(LinkJson)
 CAIRN_MESSAGE(CommandJson)
 CAIRN_MESSAGE(TaskJson)

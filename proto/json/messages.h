@@ -35,6 +35,15 @@ struct TrafficJson {
   std::uint64_t map_bytes = 0;
 };
 
+/// What the robot keeps on its disk of the evidence that the server does not hold.
+struct SpoolJson {
+  std::string state;          ///< "ok", "failed" (the disk takes no more)
+  std::uint64_t submaps = 0;  ///< Not held by the server in full, on disk or in memory.
+  std::uint64_t bytes = 0;    ///< On disk.
+  std::uint64_t thinned = 0;  ///< Submaps of which the layer seen through had to go.
+  std::uint64_t dropped = 0;  ///< Submaps that had to go whole.
+};
+
 struct LinkJson {
   bool connected = false;
   double silence_s = 0.0;  ///< Since the robot's last frame.
@@ -52,6 +61,7 @@ struct LinkJson {
   std::uint64_t unacknowledged_bytes = 0;  ///< Sent to the robot, no answer yet.
   TrafficJson up{};
   TrafficJson down{};
+  std::optional<SpoolJson> spool{};  ///< None: the robot keeps no spool.
 };
 
 struct CommandJson {
@@ -221,6 +231,7 @@ struct MapReply {
 /// The message as JSON. Numbers must be finite: JSON has no other.
 void to_json(nlohmann::json& json, const PointJson& message);
 void to_json(nlohmann::json& json, const TrafficJson& message);
+void to_json(nlohmann::json& json, const SpoolJson& message);
 void to_json(nlohmann::json& json, const LinkJson& message);
 void to_json(nlohmann::json& json, const CommandJson& message);
 void to_json(nlohmann::json& json, const TaskJson& message);

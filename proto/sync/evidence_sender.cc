@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "proto/sync/flight.h"
 
@@ -43,6 +44,7 @@ Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int 
 void EvidenceSender::touch(EvidenceLayer layer, const std::vector<CellIndex>& cells) {
   assert(open_submap() != nullptr);
   Outgoing& outgoing = submaps_.at(last_sequence_);
+  if (!cells.empty()) ++outgoing.revision;
   outgoing.versions.touch(layer, cells);
   std::set<BlockKey> touched;
   for (const CellIndex cell : cells) {
@@ -57,6 +59,7 @@ void EvidenceSender::close() {
   assert(open != nullptr);
   Outgoing& outgoing = submaps_.at(last_sequence_);
   open->closed = true;
+  ++outgoing.revision;
   SubmapHead& head = outgoing.head.newest;
   ++head.version;
   head.closed = true;
@@ -72,8 +75,74 @@ Submap* EvidenceSender::open_submap() {
 }
 
 void EvidenceSender::drop_oldest_closed() {
-  submaps_.erase(submaps_.begin());  // Only the newest may be open.
+  leave(submaps_.begin(), false);  // Only the newest may be open.
   ++dropped_submaps_;
+}
+
+void EvidenceSender::leave(std::map<std::uint32_t, Outgoing>::iterator submap, bool held) {
+  if (departures_.size() == kMaxSubmaps) departures_.erase(departures_.begin());
+  departures_.push_back({submap->second.submap.id, held});
+  submaps_.erase(submap);
+}
+
+// ---- Copies outside -----------------------------------------------------------------------------
+
+std::vector<EvidenceSender::Unheld> EvidenceSender::unheld() const {
+  std::vector<Unheld> all;
+  for (const auto& [sequence, outgoing] : submaps_) {
+    all.push_back({outgoing.submap.id, outgoing.revision, outgoing.submap.closed});
+  }
+  return all;
+}
+
+std::optional<KeptSubmap> EvidenceSender::copy_of(const SubmapId& id) const {
+  const Outgoing* outgoing = find(id);
+  if (outgoing == nullptr) return std::nullopt;
+  const SubmapHead& head = outgoing->head.newest;
+  KeptSubmap kept{id, head.T_site_submap, head.edition, outgoing->submap.link, {}};
+  kept.blocks.reserve(outgoing->blocks.size());
+  for (const auto& [key, block] : outgoing->blocks) {
+    kept.blocks.push_back({id.sequence, key, 0, outgoing->versions.version(key),
+                           outgoing->versions.changes_since(key, 0, outgoing->submap)});
+  }
+  return kept;
+}
+
+bool EvidenceSender::adopt(const KeptSubmap& kept, std::uint64_t boot, int cell_size_mm) {
+  if (submaps_.size() >= kMaxSubmaps || find(kept.id) != nullptr) return false;
+  const bool own = kept.id.boot == boot;
+  if (own && kept.id.sequence > last_sequence_) return false;
+  Outgoing adopted(kept.id, kept.T_site_submap, cell_size_mm);
+  for (const BlockUpdate& block : kept.blocks) {
+    if (adopted.blocks.contains(block.key)) return false;
+    if (!apply(layer_of(adopted.submap, block.key.layer), block.key, block.delta)) return false;
+    adopted.versions.restore(block.key, block.version, block.delta.changed);
+    queue(adopted, block.key, adopted.blocks[block.key]);
+  }
+  adopted.adopted = true;
+  adopted.submap.closed = true;
+  adopted.submap.link = kept.link;
+  SubmapHead& head = adopted.head.newest;
+  head.edition = kept.edition;
+  if (!own) {
+    head.sequence = next_borrowed_++;
+    head.earlier = kept.id;
+  }
+  settle_head(adopted);
+  const std::uint32_t sequence = head.sequence;
+  submaps_.try_emplace(sequence, std::move(adopted));
+  return true;
+}
+
+void EvidenceSender::settle_head(Outgoing& outgoing) {
+  if (!outgoing.adopted) return;
+  SubmapHead& head = outgoing.head.newest;
+  head.closed = outgoing.waiting.empty() && outgoing.blocks_under_way == 0;
+  head.version = head.closed ? kAdoptedCloses : 1;
+}
+
+std::vector<EvidenceSender::Departure> EvidenceSender::take_departures() {
+  return std::exchange(departures_, {});
 }
 
 // ---- Filling frames -----------------------------------------------------------------------------
@@ -169,13 +238,16 @@ void EvidenceSender::item_acked(const Cargo::Item& item) {
   if (!item.block) {
     outgoing->head.acked = std::max(outgoing->head.acked, item.version);
   } else {
-    Block& block = outgoing->blocks.at(*item.block);
+    const auto found = outgoing->blocks.find(*item.block);
+    if (found == outgoing->blocks.end()) return;  // Taken up again with less since it was sent.
+    Block& block = found->second;
     block.acked = std::max(block.acked, item.version);
     if (block.under_way != 0 && block.under_way <= block.acked)
       no_longer_under_way(*outgoing, block);
     queue(*outgoing, *item.block, block);
   }
-  if (outgoing->held()) submaps_.erase(item.sequence);
+  settle_head(*outgoing);
+  if (outgoing->held()) leave(submaps_.find(item.sequence), true);
 }
 
 void EvidenceSender::on_lost(std::uint32_t number) {
@@ -191,7 +263,9 @@ void EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
     if (outgoing->head.carrier == number) outgoing->head.under_way = 0;
     return;
   }
-  Block& block = outgoing->blocks.at(*item.block);
+  const auto found = outgoing->blocks.find(*item.block);
+  if (found == outgoing->blocks.end()) return;
+  Block& block = found->second;
   if (block.under_way == 0 || block.carrier != number) return;
   no_longer_under_way(*outgoing, block);
   queue(*outgoing, *item.block, block);
@@ -207,6 +281,7 @@ void EvidenceSender::on_refused(const Refusal& refusal) {
   if (block.under_way != 0) no_longer_under_way(*outgoing, block);
   block.acked = refusal.held;
   queue(*outgoing, refusal.key, block);
+  settle_head(*outgoing);
 }
 
 void EvidenceSender::on_session(bool forget_acked) {
@@ -214,12 +289,14 @@ void EvidenceSender::on_session(bool forget_acked) {
   cargoes_.clear();
   for (auto& [sequence, outgoing] : submaps_) {
     outgoing.head.under_way = 0;
-    if (forget_acked) outgoing.head.acked = 0;
+    const bool name_is_forgotten = outgoing.head.newest.earlier.has_value();
+    if (forget_acked || name_is_forgotten) outgoing.head.acked = 0;
     for (auto& [key, block] : outgoing.blocks) {
       if (block.under_way != 0) no_longer_under_way(outgoing, block);
       if (forget_acked) block.acked = 0;
       queue(outgoing, key, block);
     }
+    settle_head(outgoing);
   }
 }
 
@@ -267,6 +344,12 @@ std::uint64_t EvidenceSender::dropped_submaps() const { return dropped_submaps_;
 
 EvidenceSender::Outgoing* EvidenceSender::find(std::uint32_t sequence) {
   const auto found = submaps_.find(sequence);
+  return found == submaps_.end() ? nullptr : &found->second;
+}
+
+const EvidenceSender::Outgoing* EvidenceSender::find(const SubmapId& id) const {
+  const auto found = std::ranges::find_if(
+      submaps_, [&](const auto& entry) { return entry.second.submap.id == id; });
   return found == submaps_.end() ? nullptr : &found->second;
 }
 

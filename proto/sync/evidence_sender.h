@@ -13,6 +13,16 @@
 
 namespace cairn::proto {
 
+/// A submap as it can be kept outside the link until the server holds it: every block whole, told
+/// from version 0.
+struct KeptSubmap {
+  SubmapId id;
+  SubmapPose T_site_submap;
+  std::uint32_t edition = 0;  ///< As in SubmapHead.
+  std::optional<SubmapLink> link;
+  std::vector<BlockUpdate> blocks;  ///< [Limit: ≤ kMaxSubmapBlocks]
+};
+
 /// The robot's half of evidence synchronisation: owns the submaps that the server does not yet
 /// durably hold in full, and knows for each block the newest version, the acknowledged version and
 /// what is under way. State, not a log: what is sent is always the newest value of what the peer
@@ -21,6 +31,9 @@ class EvidenceSender {
  public:
   /// [submaps] Hard bound; at it the oldest closed submap is dropped and counted.
   static constexpr std::size_t kMaxSubmaps = 512;
+  /// A head's version once a submap that was taken up again is closed: above any that its maker
+  /// told of it.
+  static constexpr std::uint32_t kAdoptedCloses = 3;
 
   /// Begins a new submap (sequence one above the last); it becomes the open one. The open one
   /// before it must have been closed. Returns its reference, valid until it is closed.
@@ -34,13 +47,37 @@ class EvidenceSender {
   /// The robot will add nothing more to the open submap.
   void close();
   [[nodiscard]] Submap* open_submap();
+  // ---- For who keeps a copy outside: what is here, and what went.
+
+  struct Unheld {
+    SubmapId id;
+    std::uint64_t revision = 0;  ///< Counts changes of what a copy would hold.
+    bool closed = false;
+  };
+  /// All submaps here, those of this boot first, in their order.
+  [[nodiscard]] std::vector<Unheld> unheld() const;
+  /// nullopt when it is not here (any more). Costs time in
+  /// proportion to its blocks.
+  [[nodiscard]] std::optional<KeptSubmap> copy_of(const SubmapId& id) const;
+  /// Takes up a submap to which nothing will be added, made by this `boot` or an earlier one. What
+  /// the server holds of it is found out by sending. False, changing nothing, when it is here
+  /// already, there is no room, or its blocks contradict each other.
+  bool adopt(const KeptSubmap& kept, std::uint64_t boot, int cell_size_mm);
+  struct Departure {
+    SubmapId id;
+    bool held = false;  ///< By the server, in full and durably; else it was dropped.
+  };
+  /// Submaps that left since this was last asked; nobody asking, the newest kMaxSubmaps.
+  [[nodiscard]] std::vector<Departure> take_departures();
+
   /// How finely the caller writes the submaps, for their patches.
   void set_coarseness(const Coarseness& coarseness) { patches_.set_coarseness(coarseness); }
 
   /// Evidence sets out (again) after frame `last_number`.
   void begin_round(std::uint32_t last_number) { patches_.begin_round(last_number); }
 
-  /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first. A block with
+  /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first, after them
+  /// those of earlier boots. A block with
   /// a delta under way waits until that is acknowledged or lost, so that no cell travels twice for
   /// nothing. Until a head is acknowledged, every frame with blocks of its submap carries it too:
   /// the peer never meets a block of a submap it does not know. Numbers ascend. Returns how many
@@ -85,6 +122,8 @@ class EvidenceSender {
     [[nodiscard]] bool held() const;  ///< Closed, and the peer has all of it.
 
     Submap submap;
+    std::uint64_t revision = 0;
+    bool adopted = false;  ///< Its head closes when all else is acknowledged.
     SubmapVersions versions;
     Head head;
     std::map<BlockKey, Block> blocks;
@@ -102,6 +141,10 @@ class EvidenceSender {
   };
 
   void drop_oldest_closed();
+  void leave(std::map<std::uint32_t, Outgoing>::iterator submap, bool held);
+  [[nodiscard]] const Outgoing* find(const SubmapId& id) const;
+  /// Closes an adopted submap's head when the rest is acknowledged, and opens it again otherwise.
+  static void settle_head(Outgoing& outgoing);
   int fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
   bool add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
   int add_blocks(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
@@ -115,7 +158,10 @@ class EvidenceSender {
   static void queue(Outgoing& outgoing, const BlockKey& key, Block& block);
   static void no_longer_under_way(Outgoing& outgoing, Block& block);
 
-  std::map<std::uint32_t, Outgoing> submaps_;  ///< By sequence. [Limit: ≤ kMaxSubmaps]
+  /// By sequence, those of earlier boots by a borrowed one: they come last. [Limit: ≤ kMaxSubmaps]
+  std::map<std::uint32_t, Outgoing> submaps_;
+  std::vector<Departure> departures_;  ///< [Limit: ≤ kMaxSubmaps]
+  std::uint32_t next_borrowed_ = kFirstBorrowedSequence;
   /// Frames the peer may still acknowledge, also such as were judged lost. [Limit: ≤
   /// Flight::kReach]
   std::map<std::uint32_t, Cargo> cargoes_;

@@ -143,6 +143,7 @@ void RobotLink::begin_session(const Welcome& welcome) {
   ack_due_.reset();
   map_unacked_ = 0;
   told_.reset();
+  spool_told_at_.reset();
   evidence_.on_session(other_store);
   round_open_ = false;
   round_due_ = {};
@@ -302,6 +303,7 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
   if (pose) {
     told_ = std::exchange(pose_, std::nullopt);
     told_at_ = now;
+    add_spool_if_due(frame, now);
   }
   // What somebody waits for travels in short frames, and so does a session's first pose.
   const bool brief = reports || first_pose;
@@ -315,6 +317,12 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
     if (!unanswered_since_) unanswered_since_ = now;
   }
   return finish(std::move(frame));
+}
+
+void RobotLink::add_spool_if_due(FrameWriter& frame, MonotonicTime now) {
+  if (!spool_) return;
+  const bool due = !spool_told_at_ || now - *spool_told_at_ >= config_.spool_period;
+  if (due && frame.add(*spool_)) spool_told_at_ = now;
 }
 
 std::optional<std::vector<std::uint8_t>> RobotLink::goodbye() {

@@ -32,6 +32,8 @@ struct RobotLinkConfig {
   /// … and how often one that says nothing new (the robot stands), so that the server knows that
   /// the robot is there.
   Duration quiet_pose_period = std::chrono::seconds(20);
+  /// A pose takes the state of the spool along when it was told longer ago than this.
+  Duration spool_period = std::chrono::seconds(5);
   /// How often evidence sets out: what changed meanwhile travels once. While a round is not yet all
   /// sent (a slow link, a full window) it goes on.
   Duration evidence_period = std::chrono::seconds(1);
@@ -77,6 +79,8 @@ class RobotLink {
   const EvidenceSender& evidence() const { return evidence_; }
   /// Newest pose, sent once at its turn. Requires: within the bounds of its record.
   void set_pose(const PoseReport& pose);
+  /// Newest state of the spool; travels with a pose when it is its turn. Never called: no spool.
+  void set_spool(const SpoolReport& spool) { spool_ = spool; }
   /// Newest state of a command's revision; saying the same again changes nothing.
   void report(const CommandReport& report);
 
@@ -121,6 +125,7 @@ class RobotLink {
 
   std::optional<std::vector<std::uint8_t>> hello_frame(MonotonicTime now);
   std::optional<std::vector<std::uint8_t>> session_frame(MonotonicTime now);
+  void add_spool_if_due(FrameWriter& frame, MonotonicTime now);
   [[nodiscard]] bool silent_too_long(MonotonicTime now) const;
   /// Requires: a pose waits.
   [[nodiscard]] MonotonicTime pose_due(MonotonicTime now) const;
@@ -162,7 +167,9 @@ class RobotLink {
   std::optional<PoseReport> pose_;  ///< Not sent yet.
   std::optional<PoseReport> told_;  ///< Sent last in this session.
   MonotonicTime told_at_{};
-  bool round_open_ = false;  ///< Evidence is being sent.
+  std::optional<SpoolReport> spool_;
+  std::optional<MonotonicTime> spool_told_at_;  ///< In this session.
+  bool round_open_ = false;                     ///< Evidence is being sent.
   MonotonicTime round_due_{};
   LinkCounters counters_;
 };

@@ -47,7 +47,7 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
   received_.done(number);
 
   std::vector<Event> events;
-  Evidence evidence{.number = number, .heads = {}, .blocks = {}};
+  Evidence evidence{.number = number, .heads = {}, .blocks = {}, .earlier = {}};
   bool reports = false;
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
@@ -56,12 +56,13 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
     if (const auto* pose = std::get_if<PoseReport>(&record)) {
       if (take(*pose, now)) events.emplace_back(*pose);
     }
+    if (const auto* spool = std::get_if<SpoolReport>(&record)) events.emplace_back(*spool);
     if (const auto* report = std::get_if<CommandReport>(&record)) {
       reports = true;
       if (take(*report, number)) events.emplace_back(*report);
     }
   }
-  if (!read_patches(frame, evidence.blocks)) return events;
+  if (!read_patches(frame, evidence.blocks) || !name_earlier(evidence)) return events;
   const bool eager = elicits_ack(evidence, reports);
   if (!evidence.heads.empty() || !evidence.blocks.empty()) {
     events.emplace_back(std::move(evidence));
@@ -82,6 +83,27 @@ bool ServerLink::read_patches(const Frame& frame, std::vector<BlockUpdate>& bloc
     std::ranges::move(read.blocks, std::back_inserter(blocks));
   }
   return true;
+}
+
+bool ServerLink::name_earlier(Evidence& evidence) {
+  for (const SubmapHead& head : evidence.heads) {
+    if (head.earlier) borrowed_[head.sequence] = *head.earlier;
+  }
+  while (borrowed_.size() > kMaxBorrowed) borrowed_.erase(borrowed_.begin());
+  const auto knows = [&](std::uint32_t sequence) {
+    if (sequence < kFirstBorrowedSequence) return true;
+    const auto found = borrowed_.find(sequence);
+    if (found == borrowed_.end()) return false;
+    evidence.earlier[sequence] = found->second;
+    return true;
+  };
+  return std::ranges::all_of(evidence.heads, knows, &SubmapHead::sequence) &&
+         std::ranges::all_of(evidence.blocks, knows, &BlockUpdate::sequence);
+}
+
+SubmapId ServerLink::Evidence::submap(std::uint64_t boot, std::uint32_t sequence) const {
+  const auto found = earlier.find(sequence);
+  return found == earlier.end() ? SubmapId{boot, sequence} : found->second;
 }
 
 void ServerLink::count(const Frame& frame, std::size_t bytes) {

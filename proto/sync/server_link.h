@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,8 +41,15 @@ class ServerLink {
     std::uint32_t number = 0;
     std::vector<SubmapHead> heads;
     std::vector<BlockUpdate> blocks;
+    /// Of what borrows a sequence in this frame: the submap's own name.
+    std::map<std::uint32_t, SubmapId> earlier{};
+
+    /// The submap that a sequence of this frame names. `boot`: the session's.
+    [[nodiscard]] SubmapId submap(std::uint64_t boot, std::uint32_t sequence) const;
   };
-  using Event = std::variant<PoseReport, CommandReport, Evidence, Bye>;
+  using Event = std::variant<PoseReport, SpoolReport, CommandReport, Evidence, Bye>;
+  /// [submaps] Of earlier boots, whose borrowed names are remembered; the lowest goes first.
+  static constexpr std::size_t kMaxBorrowed = 1024;
 
   /// Takes an already decoded frame of this session and reads its patches; evidence of which a
   /// patch cannot be read brings no event and is never acknowledged. A frame that was seen before
@@ -95,6 +103,8 @@ class ServerLink {
 
   void on_ack(const Ack& ack, MonotonicTime now);
   [[nodiscard]] bool read_patches(const Frame& frame, std::vector<BlockUpdate>& blocks);
+  /// False when something borrows a sequence that nobody named.
+  [[nodiscard]] bool name_earlier(Evidence& evidence);
   bool take(const PoseReport& pose, MonotonicTime now);
   bool take(const CommandReport& report, std::uint32_t number);
   void acknowledge_by(MonotonicTime due);
@@ -134,7 +144,8 @@ class ServerLink {
   OrderSender orders_;
   MapSender map_;
   PatchReceiver patches_;
-  std::optional<GroundLost> ground_lost_;  ///< To be said.
+  std::optional<GroundLost> ground_lost_;       ///< To be said.
+  std::map<std::uint32_t, SubmapId> borrowed_;  ///< In this session. [Limit: ≤ kMaxBorrowed]
   std::deque<Heard> heard_;        ///< Newest report of each revision. [Limit: ≤ kMaxReports]
   std::vector<Refusal> refusals_;  ///< [Limit: ≤ kMaxRefusals]
   LinkCounters counters_;

@@ -36,11 +36,12 @@ bool is_end(proto::CommandState state) {
 
 }  // namespace
 
-Agent::Agent(const AgentConfig& config, Input& input, proto::Carrier& carrier)
+Agent::Agent(const AgentConfig& config, Input& input, proto::Carrier& carrier, Spool* spool)
     : config_(config),
       input_(input),
       carrier_(carrier),
       link_(config.link, carrier.overhead_bytes()),
+      spool_(spool),
       mapper_(config.mapper, input.lasers(), input.start(), config.link.boot, link_.evidence()),
       driver_(config.driver) {}
 
@@ -113,7 +114,20 @@ Status Agent::exchange(MonotonicTime clock, std::chrono::milliseconds wait) {
     }
   }
   take_map();
+  if (spool_ != nullptr) {
+    spool_->look(link_.evidence(), clock);
+    link_.set_spool(spool_->report());
+  }
   return send_due(clock);
+}
+
+bool Agent::delivered() const {
+  return link_.evidence().synchronised() && (spool_ == nullptr || spool_->all_taken_up());
+}
+
+bool Agent::keep_the_rest(MonotonicTime clock) {
+  constexpr std::chrono::seconds kPatience(5);
+  return spool_ == nullptr || spool_->flush(link_.evidence(), clock, kPatience);
 }
 
 void Agent::take_map() {

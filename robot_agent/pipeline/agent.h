@@ -11,6 +11,7 @@
 #include "robot_agent/drive/driver.h"
 #include "robot_agent/input/input.h"
 #include "robot_agent/pipeline/mapper.h"
+#include "robot_agent/spool/spool.h"
 
 namespace cairn::agent {
 
@@ -33,7 +34,8 @@ struct Journey {
 /// the caller owns the clock and the pace.
 class Agent {
  public:
-  Agent(const AgentConfig& config, Input& input, proto::Carrier& carrier);
+  /// `spool`: keeps evidence on disk; null for none. All of these outlive the agent.
+  Agent(const AgentConfig& config, Input& input, proto::Carrier& carrier, Spool* spool = nullptr);
 
   /// Advances the input to `until` (its own time) and lets everything follow from it. `clock` is
   /// the robot's monotonic clock, which links and commands live by.
@@ -44,6 +46,10 @@ class Agent {
 
   /// No reading will come any more: closes the map.
   void finish() { mapper_.finish(); }
+  /// The server holds all evidence, also of earlier runs.
+  [[nodiscard]] bool delivered() const;
+  /// Brings what the server does not hold to disk, if there is a spool. False: not all of it.
+  bool keep_the_rest(MonotonicTime clock);
   /// Tells the server that this is the end.
   void say_goodbye();
 
@@ -66,6 +72,7 @@ class Agent {
   Input& input_;
   proto::Carrier& carrier_;
   proto::RobotLink link_;
+  Spool* spool_;
   Mapper mapper_;
   Driver driver_;
   DriveCommand wheels_;

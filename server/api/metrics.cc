@@ -100,6 +100,13 @@ const std::vector<Series<RobotJson>>& robot_series() {
        [](const RobotJson& r) { return number(r.link.frames_malformed); }},
       {"cairn_robot_backlog_blocks", "gauge", "Evidence the robot has and the server lacks.",
        [](const RobotJson& r) { return number(r.link.backlog_blocks); }},
+      {"cairn_robot_spool_bytes", "gauge", "Evidence on the robot's disk; 0 without a spool.",
+       [](const RobotJson& r) { return r.link.spool ? number(r.link.spool->bytes) : 0.0; }},
+      {"cairn_robot_spool_failed", "gauge", "1: the robot's disk takes no more evidence.",
+       [](const RobotJson& r) { return r.link.spool && r.link.spool->state != "ok" ? 1.0 : 0.0; }},
+      {"cairn_robot_spool_dropped", "gauge",
+       "Submaps of the robot's present run that went before the server had them.",
+       [](const RobotJson& r) { return r.link.spool ? number(r.link.spool->dropped) : 0.0; }},
   };
   return series;
 }

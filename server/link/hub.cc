@@ -175,6 +175,7 @@ void Hub::open_session(std::size_t carrier, const std::string& peer, const proto
   robot.carrier = carrier;
   robot.peer = peer;
   robot.pose_of_session = false;
+  robot.spool.reset();
   robot.probed_at.reset();
   robot.site = std::move(site);
   robot.link =
@@ -191,6 +192,8 @@ void Hub::take_events(Robot& robot, std::vector<proto::ServerLink::Event> events
     if (const auto* pose = std::get_if<proto::PoseReport>(&event)) {
       if (!robot.pose_of_session) spdlog::info("robot {}: first pose", robot.id);
       robot.take_pose(*pose, now());
+    } else if (const auto* spool = std::get_if<proto::SpoolReport>(&event)) {
+      robot.spool = *spool;
     } else if (const auto* report = std::get_if<proto::CommandReport>(&event)) {
       listener_.reported(robot, *report);
     } else if (auto* evidence = std::get_if<proto::ServerLink::Evidence>(&event)) {

@@ -41,6 +41,14 @@ double share(std::uint64_t missed, std::uint64_t received) {
   return missed == 0 ? 0.0 : static_cast<double>(missed) / static_cast<double>(missed + received);
 }
 
+api::SpoolJson describe_spool(const proto::SpoolReport& spool) {
+  return {.state = spool.failed ? "failed" : "ok",
+          .submaps = spool.submaps,
+          .bytes = spool.bytes,
+          .thinned = spool.thinned,
+          .dropped = spool.dropped};
+}
+
 api::LinkJson describe_link(const Robot& robot, MonotonicTime now) {
   api::LinkJson link;
   if (!robot.link) return link;
@@ -60,6 +68,7 @@ api::LinkJson describe_link(const Robot& robot, MonotonicTime now) {
   link.down = by_kind(robot.link->budget().sent_bytes());
   link.frames_malformed = robot.frames_malformed;
   if (robot.pose) link.backlog_blocks = robot.pose->backlog_blocks;
+  if (robot.spool) link.spool = describe_spool(*robot.spool);
   link.queue_s = to_seconds(robot.link->budget().queue());
   return link;
 }

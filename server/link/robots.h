@@ -23,6 +23,7 @@ struct Robot {
   std::size_t carrier = 0;                  ///< Which carrier its frames come by.
   std::string peer;                         ///< Its name on that carrier.
   std::optional<proto::PoseReport> pose;    ///< Newest by the robot's own clock.
+  std::optional<proto::SpoolReport> spool;  ///< Newest; none from a robot that keeps no spool.
   bool pose_of_session = false;  ///< It came in the present session, so its clock can be compared.
   MonotonicTime pose_received{};
   std::optional<MonotonicTime> probed_at;  ///< When it was last asked whether it is there.

@@ -38,6 +38,10 @@ bool LiveSubmap::take_head(const proto::SubmapHead& head) {
   row_.T_site_submap = head.T_site_submap;
   row_.blocks = head.blocks;
   row_.final_versions = head.final_versions;
+  if (head.closed && head.blocks == 0) {  // Whatever is here is all of it.
+    row_.blocks = static_cast<std::uint32_t>(versions_.size());
+    row_.final_versions = version_sum_;
+  }
   row_.edition = head.edition;
   row_.link = head.link;
   if (head.closed) row_.state = SubmapState::closed;

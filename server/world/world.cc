@@ -97,17 +97,17 @@ World::Staged World::stage(const std::string& robot, std::uint64_t boot,
   if (dirty_blocks_.size() >= kMaxStagedBlocks) return {};
   Staged staged{.accepted = true, .refusals = {}};
   for (const proto::SubmapHead& head : evidence.heads) {
-    const SubmapId id{boot, head.sequence};
+    const SubmapId id = evidence.submap(boot, head.sequence);
     if (merged_.contains(id)) continue;
     LiveSubmap* submap = live(id, robot);
     if (submap == nullptr) return {};
     mark_dirty_tiles(*submap);  // Where it lay,
-    if (!submap->take_head(placed(boot, head))) continue;
+    if (!submap->take_head(placed(id.boot, head))) continue;
     dirty_heads_.insert(id);
     mark_dirty_tiles(*submap);  // and where it lies now.
   }
   for (const proto::BlockUpdate& update : evidence.blocks) {
-    const SubmapId id{boot, update.sequence};
+    const SubmapId id = evidence.submap(boot, update.sequence);
     if (merged_.contains(id)) continue;
     LiveSubmap* submap = live(id, robot);
     if (submap == nullptr) return {};

@@ -13,7 +13,7 @@ class RandomRecords {
   explicit RandomRecords(std::uint64_t seed) : random_(seed) {}
 
   Record any() {
-    switch (between<int>(0, 16)) {
+    switch (between<int>(0, 17)) {
       case 0:
         return Hello{name(), name(), whole<std::uint64_t>(), between<std::uint16_t>(10, 2000),
                      whole<std::uint64_t>()};
@@ -48,6 +48,9 @@ class RandomRecords {
         return MapCommit{between<std::uint32_t>(1, ~0U), whole<std::uint32_t>()};
       case 15:
         return GroundLost{whole<std::uint8_t>()};
+      case 16:
+        return SpoolReport{percent(50), whole<std::uint32_t>(), whole<std::uint64_t>(),
+                           whole<std::uint32_t>(), whole<std::uint32_t>()};
       default:
         return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
     }
@@ -134,7 +137,7 @@ class RandomRecords {
             whole<std::uint32_t>()};
   }
   SubmapHead head() {
-    SubmapHead head{whole<std::uint32_t>(),
+    SubmapHead head{between<std::uint32_t>(0, kFirstBorrowedSequence - 1),
                     between<std::uint32_t>(1, ~0U),
                     place(),
                     percent(50),
@@ -146,6 +149,10 @@ class RandomRecords {
                              whole<std::uint16_t>()};
     }
     if (head.closed) head.final_versions = between<std::uint64_t>(head.blocks, ~0ULL);
+    if (percent(30)) {
+      head.earlier = SubmapId{id(), between<std::uint32_t>(1, kFirstBorrowedSequence - 1)};
+      head.sequence += kFirstBorrowedSequence;
+    }
     return head;
   }
   Command command() {

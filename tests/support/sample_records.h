@@ -68,10 +68,14 @@ inline std::vector<Sample> sample_records() {
   const auto down = Direction::down;
   const SubmapLink link{{8'010, -30, 5, 120}, 45, 12, 60};
   const SubmapHead head{7, 2, {1'000, -1'000, 20, 15'708}, true, 12, 40, 3, link};
+  const SubmapHead earlier{0x80000003, 3,  {1'000, -1'000, 20, 15'708}, true, 0, 0,
+                           3,          {}, SubmapId{0x99AABBCC, 7}};
   return {
       {"hello", up, Hello{"rover-1", "quarry", 0x1122334455667788, 125, 1'000}},
       {"pose_report", up, sample_pose()},
+      {"spool_report", up, SpoolReport{true, 12, 3'456'789, 5, 2}},
       {"submap_head", up, head},
+      {"submap_head_earlier", up, earlier},
       {"evidence_patch", up, EvidencePatch{7, 201, {1, 250, {9, 3, 2}}, sample_patch()}},
       {"command_report", up, CommandReport{9, 2, CommandState::stopped, "tilt 31°"}},
       {"bye", up, Bye{}},

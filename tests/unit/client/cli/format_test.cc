@@ -6,7 +6,9 @@
 namespace cairn::cli {
 namespace {
 
+using testing::AnyOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(AgeText, GrowsCoarserWithAge) {
   EXPECT_EQ(age_text(0.44), "0.4 s");
@@ -64,6 +66,20 @@ TEST(LinkText, TellsHowLongTheRestWillTakeAtTheLatestPace) {
   EXPECT_THAT(link_text(before, {"0.1.0", 12, {}, {robot}}), HasSubstr("in 4.0 s"));
   robot.link.backlog_blocks = 0;
   EXPECT_THAT(link_text(before, {"0.1.0", 12, {}, {robot}}), HasSubstr("now"));
+}
+
+TEST(LinkText, TellsWhatWaitsOnTheRobotsDiskAndWhatWentThere) {
+  api::RobotJson robot;
+  robot.id = "r1";
+  const auto text = [&] {
+    return link_text({"0.1.0", 10, {}, {robot}}, {"0.1.0", 12, {}, {robot}});
+  };
+  EXPECT_THAT(text(), Not(HasSubstr("submaps")));
+  robot.link.spool = api::SpoolJson{"ok", 12, 3'000'000, 0, 0};
+  EXPECT_THAT(text(), HasSubstr("12 submaps, 3.00 MB"));
+  EXPECT_THAT(text(), Not(AnyOf(HasSubstr("THINNED"), HasSubstr("DROPPED"), HasSubstr("FAILED"))));
+  robot.link.spool = api::SpoolJson{"failed", 12, 3'000'000, 5, 2};
+  EXPECT_THAT(text(), HasSubstr("5 THINNED, 2 DROPPED, DISK FAILED"));
 }
 
 TEST(PlanText, GivesTheReasonWhenThereIsNoWay) {

@@ -26,6 +26,7 @@ RobotJson some_robot() {
   robot.drive = "driving";
   robot.localization = "unsure";
   robot.link = {true, 0.2, 0.11, 1234, 567, 8, 9, 10};
+  robot.link.spool = SpoolJson{"failed", 12, 3'456'789, 5, 2};
   robot.command = CommandJson{7, "goto", "accepted", "", {3.0, -4.0}, 5.5, 2, {{0, 0}, {3, -4}}};
   return robot;
 }

@@ -226,5 +226,114 @@ TEST_F(EvidenceSenderTest, AtItsBoundTheOldestClosedSubmapIsDroppedAndCounted) {
   EXPECT_EQ(std::get<SubmapHead>(fill(1).at(0)).sequence, 2U);
 }
 
+// ---- Copies outside -----------------------------------------------------------------------------
+
+TEST_F(EvidenceSenderTest, ACopyThatIsTakenUpIsTheSame) {
+  sender.begin(7, {1, 2, 3, 4}, 125).link = SubmapLink{{5, 6, 7, 8}, 1, 2, 3};
+  see({0, 0});
+  see({20, 0});
+  fill(1);
+  see({0, 0}, 300);
+  const auto copy = sender.copy_of({7, 1});
+  ASSERT_TRUE(copy);
+  EvidenceSender later;
+  ASSERT_TRUE(later.adopt(*copy, 8, 125));
+  const auto again = later.copy_of({7, 1});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->T_site_submap, copy->T_site_submap);
+  EXPECT_EQ(again->link, copy->link);
+  ASSERT_EQ(again->blocks.size(), 2U);
+  EXPECT_EQ(again->blocks[0].version, 2U);
+  EXPECT_EQ(again->blocks[0].delta.cells[0], (Cell{300, 200}));
+  EXPECT_EQ(again->blocks[1].version, 1U);
+}
+
+TEST_F(EvidenceSenderTest, WhatWasTakenUpIsNamedInEverySessionAndClosedLast) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  const auto copy = *sender.copy_of({7, 1});
+  EvidenceSender later;
+  ASSERT_TRUE(later.adopt(copy, 8, 125));
+  for (std::uint32_t number = 1; number <= 2; ++number) {  // In two sessions.
+    later.on_session(false);
+    FrameWriter frame({Direction::up, 1, number});
+    ASSERT_EQ(later.fill(frame, number), 2);
+    const auto records = decode_frame(std::move(frame).finish(), Direction::up)->records;
+    const auto& head = std::get<SubmapHead>(records[0]);
+    EXPECT_EQ(head.earlier, (SubmapId{7, 1}));
+    EXPECT_GE(head.sequence, kFirstBorrowedSequence);
+    EXPECT_FALSE(head.closed);
+  }
+  later.on_acked(2);
+  FrameWriter frame({Direction::up, 1, 3});
+  ASSERT_EQ(later.fill(frame, 3), 1);
+  const auto records = decode_frame(std::move(frame).finish(), Direction::up)->records;
+  const auto& head = std::get<SubmapHead>(records[0]);
+  EXPECT_TRUE(head.closed);
+  EXPECT_EQ(head.blocks, 0U);
+  EXPECT_EQ(head.version, EvidenceSender::kAdoptedCloses);
+  later.on_acked(3);
+  EXPECT_EQ(later.submaps(), 0U);
+  const auto gone = later.take_departures();
+  ASSERT_EQ(gone.size(), 1U);
+  EXPECT_EQ(gone[0].id, (SubmapId{7, 1}));
+  EXPECT_TRUE(gone[0].held);
+}
+
+TEST_F(EvidenceSenderTest, AnotherStoreOpensWhatWasTakenUpAgain) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  EvidenceSender later;
+  ASSERT_TRUE(later.adopt(*sender.copy_of({7, 1}), 8, 125));
+  FrameWriter frame({Direction::up, 1, 1});
+  later.fill(frame, 1);
+  later.on_acked(1);
+  later.on_session(true);
+  FrameWriter again({Direction::up, 2, 1});
+  ASSERT_EQ(later.fill(again, 1), 2);
+  const auto records = decode_frame(std::move(again).finish(), Direction::up)->records;
+  EXPECT_FALSE(std::get<SubmapHead>(records[0]).closed);
+}
+
+TEST_F(EvidenceSenderTest, TakesUpNothingTwiceAndNothingThatContradictsItself) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  auto copy = *sender.copy_of({7, 1});
+  EXPECT_FALSE(sender.adopt(copy, 7, 125));
+  EvidenceSender later;
+  auto doubled = copy;
+  doubled.blocks.push_back(doubled.blocks[0]);
+  EXPECT_FALSE(later.adopt(doubled, 8, 125));
+  EXPECT_TRUE(later.adopt(copy, 8, 125));
+  EXPECT_FALSE(later.adopt(copy, 8, 125));
+  copy.id.sequence = 9;  // Of this boot, and not begun yet.
+  EXPECT_FALSE(later.adopt(copy, 7, 125));
+}
+
+TEST_F(EvidenceSenderTest, FramesOfBeforeDoNotConfuseASubmapThatIsTakenUpWithLess) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  see({20, 0});
+  auto copy = *sender.copy_of({7, 1});
+  sender.close();
+  fill(1);
+  fill(2);
+  for (std::size_t i = 0; i < EvidenceSender::kMaxSubmaps; ++i) {
+    sender.begin(7, {}, 125);
+    sender.close();
+  }
+  ASSERT_EQ(sender.dropped_submaps(), 1U);
+  EvidenceSender& same = sender;
+  copy.blocks.pop_back();
+  while (same.submaps() == EvidenceSender::kMaxSubmaps) {
+    fill(++last_number);
+    same.on_acked(last_number);
+  }
+  ASSERT_TRUE(same.adopt(copy, 7, 125));
+  same.on_lost(2);
+  same.on_acked(1);
+  EXPECT_EQ(same.backlog_blocks(), 0U);  // The block that is left was acknowledged by then.
+}
+
 }  // namespace
 }  // namespace cairn::proto

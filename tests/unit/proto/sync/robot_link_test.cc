@@ -132,6 +132,26 @@ TEST_F(RobotLinkTest, ARobotThatStandsSaysSoRarelyUntilItMoves) {
   EXPECT_NE(find<PoseReport>(next()), nullptr);
 }
 
+TEST_F(RobotLinkTest, ThePoseTakesTheStateOfTheSpoolAlongEveryFewSeconds) {
+  welcome();
+  link.set_spool({false, 3, 4'000, 1, 0});
+  int told = 0;
+  for (int second = 0; second < 20; ++second) {
+    PoseReport pose;
+    pose.speed_mm_s = 500;
+    pose.clock_ms = static_cast<std::uint64_t>(second);
+    link.set_pose(pose);
+    const auto frame = next();
+    if (const auto* spool = find<SpoolReport>(frame)) {
+      EXPECT_EQ(*spool, (SpoolReport{false, 3, 4'000, 1, 0}));
+      EXPECT_NE(find<PoseReport>(frame), nullptr);
+      ++told;
+    }
+    now += seconds(1);
+  }
+  EXPECT_EQ(told, 4);
+}
+
 TEST_F(RobotLinkTest, ReportsAndPoseLeaveInAShortFrameBeforeEvidence) {
   welcome();
   see();

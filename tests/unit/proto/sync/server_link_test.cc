@@ -186,5 +186,34 @@ TEST(Judge, AppliesWhatFitsDropsWhatIsThereRefusesWhatSkips) {
   EXPECT_EQ(judge(1, 2, 5), Verdict::refuse);
 }
 
+TEST_F(ServerLinkTest, NamesTheSubmapThatBorrowsASequence) {
+  drain();
+  const SubmapHead borrowed{kFirstBorrowedSequence, 1, {}, false, 0, 0, 0, {}, SubmapId{3, 12}};
+  const auto events = arrive(1, {borrowed, head(4)});
+  ASSERT_EQ(events.size(), 1U);
+  const auto& evidence = std::get<ServerLink::Evidence>(events[0]);
+  EXPECT_EQ(evidence.submap(77, kFirstBorrowedSequence), (SubmapId{3, 12}));
+  EXPECT_EQ(evidence.submap(77, 4), (SubmapId{77, 4}));
+}
+
+TEST_F(ServerLinkTest, TakesNothingThatBorrowsASequenceNobodyNamed) {
+  drain();
+  BlockUpdate block{kFirstBorrowedSequence + 1, {}, 0, 1, {}};
+  block.delta.changed.set(3);
+  block.delta.cells[3] = {10, 200};
+  const EvidencePatch patch{
+      block.sequence, 0, {}, write_patch({&block, 1}, {block.sequence, 0}, {}, {}, 1000).bytes};
+  EXPECT_TRUE(arrive(1, {patch}).empty());
+  now += seconds(5);
+  EXPECT_EQ(find<Ack>(next()), nullptr);
+  SubmapHead named{block.sequence, 1, {}, false, 0, 0};
+  named.earlier = SubmapId{3, 12};
+  ASSERT_EQ(arrive(2, {named, patch}).size(), 1U);
+  const auto events = arrive(3, {patch});
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(std::get<ServerLink::Evidence>(events[0]).submap(77, block.sequence),
+            (SubmapId{3, 12}));
+}
+
 }  // namespace
 }  // namespace cairn::proto

@@ -13,6 +13,7 @@ TEST(Metrics, HaveARobotsLinkAndASitesMap) {
   robot.id = "r1";
   robot.site = "yard";
   robot.link = {true, 0.25, 0.1, 12'345'678'901, 2, 3, 4, 5};
+  robot.link.spool = api::SpoolJson{"failed", 12, 3'456'789, 5, 2};
   api::SiteJson site;
   site.name = "yard";
   site.known_cells = 42;
@@ -22,6 +23,9 @@ TEST(Metrics, HaveARobotsLinkAndASitesMap) {
   EXPECT_THAT(text,
               HasSubstr("cairn_robot_bytes_up_total{robot=\"r1\",site=\"yard\"} 12345678901\n"));
   EXPECT_THAT(text, HasSubstr("cairn_robot_silence_seconds{robot=\"r1\",site=\"yard\"} 0.25\n"));
+  EXPECT_THAT(text, HasSubstr("cairn_robot_spool_bytes{robot=\"r1\",site=\"yard\"} 3456789\n"));
+  EXPECT_THAT(text, HasSubstr("cairn_robot_spool_failed{robot=\"r1\",site=\"yard\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("cairn_robot_spool_dropped{robot=\"r1\",site=\"yard\"} 2\n"));
   EXPECT_THAT(text, HasSubstr("cairn_robot_backlog_blocks{robot=\"r1\",site=\"yard\"} 5\n"));
   EXPECT_THAT(
       text,

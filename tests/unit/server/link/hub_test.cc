@@ -240,6 +240,19 @@ TEST_F(HubTest, PassesOnWhatARobotReports) {
   EXPECT_EQ(reports.front().command, 3U);
 }
 
+TEST_F(HubTest, ShowsWhatARobotKeepsOnItsDisk) {
+  say("a", hello());
+  const auto welcome = hear<proto::Welcome>("a");
+  ASSERT_TRUE(welcome);
+  say("a", proto::SpoolReport{true, 12, 3'456'789, 5, 2}, welcome->session);
+  ASSERT_TRUE(run_until([this] { return hub->find("rover-1")->spool.has_value(); }));
+  const auto spool = describe(*hub->find("rover-1"), Hub::now()).link.spool;
+  ASSERT_TRUE(spool);
+  EXPECT_EQ(spool->state, "failed");
+  EXPECT_EQ(spool->submaps, 12U);
+  EXPECT_EQ(spool->dropped, 2U);
+}
+
 TEST_F(HubTest, CountsWhatIsNoFrame) {
   air->proves_peers = true;
   say("rover-1", hello());
