@@ -46,8 +46,9 @@ Follow::Step Follow::step(const api::StatusReply& status) {
   }
   if (auto end = ended(*robot->command)) {
     if (end->exit == kExitOk) {
-      end->line += " at " + place_text(robot->x_m, robot->y_m) + " after " +
-                   age_text(status.uptime_s - started_s_) + ", link up " +
+      end->line += " at " + place_text(robot->x_m, robot->y_m);
+      if (robot->command->heading_rad) end->line += ", heading " + heading_text(robot->yaw_rad);
+      end->line += " after " + age_text(status.uptime_s - started_s_) + ", link up " +
                    bytes_text(since(bytes_up_, robot->link.bytes_up)) + " down " +
                    bytes_text(since(bytes_down_, robot->link.bytes_down));
     }
@@ -85,6 +86,10 @@ std::string Follow::progress(const api::RobotJson& robot) const {
     char to_go[32];
     std::snprintf(to_go, sizeof to_go, "%.1f m to go", robot.command->to_go_m);
     state = robot.command->state == "blocked" ? with_why("blocked", robot.command->why) : to_go;
+    if (robot.command->heading_rad) {
+      state += ", heading " + heading_text(robot.yaw_rad) + " of " +
+               heading_text(*robot.command->heading_rad);
+    }
   }
   char speed[32];
   std::snprintf(speed, sizeof speed, "%.2f m/s", robot.speed_m_s);

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <utility>
+
+#include "core/common/angle.h"
 
 namespace cairn::cli {
 
@@ -25,8 +26,6 @@ std::string count_text(std::uint64_t count) {
   }
   return text;
 }
-
-double heading_deg(double yaw_rad) { return yaw_rad * 180.0 / std::numbers::pi; }
 
 std::string link_state(const api::LinkJson& link) {
   return link.connected ? "up" : std::string("LOST for ").append(age_text(link.silence_s));
@@ -66,14 +65,17 @@ std::string robots_text(const api::StatusReply& status) {
     if (robot.command) {
       command = robot.command->kind + " " + robot.command->state;
       if (!robot.command->why.empty()) command += " (" + robot.command->why + ")";
+      if (robot.command->heading_rad) {
+        command += ", heading " + heading_text(*robot.command->heading_rad);
+      }
       if (robot.command->eta_s) command += ", about " + age_text(*robot.command->eta_s) + " to go";
     }
     const bool more = robot.task && (robot.task->legs_all != 1 || robot.task->waiting > 0);
     if (more) command += "; " + task_text(*robot.task);
     rows.push_back({robot.id, robot.site, place_text(robot.x_m, robot.y_m) + sureness_text(robot),
-                    printed("%.0f deg", heading_deg(robot.yaw_rad)),
-                    age_text(robot.pose_age_s) + " ago", printed("%.2f m/s", robot.speed_m_s),
-                    robot.drive, command, link_state(robot.link)});
+                    heading_text(robot.yaw_rad), age_text(robot.pose_age_s) + " ago",
+                    printed("%.2f m/s", robot.speed_m_s), robot.drive, command,
+                    link_state(robot.link)});
   }
   return table_text(rows);
 }
@@ -112,6 +114,8 @@ std::string bytes_text(double bytes) {
 
 std::string place_text(double x_m, double y_m) { return printed("(%.2f, %.2f)", x_m, y_m); }
 
+std::string heading_text(double yaw_rad) { return printed("%.0f deg", degrees(yaw_rad)); }
+
 std::string table_text(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
@@ -149,10 +153,12 @@ std::string task_text(const api::TaskJson& task) {
 
 std::string robot_line(const api::RobotJson& robot) {
   std::string line = robot.id + "  " + place_text(robot.x_m, robot.y_m) +
-                     printed(" %4.0f deg  %.2f m/s", heading_deg(robot.yaw_rad), robot.speed_m_s) +
+                     printed(" %4.0f deg  %.2f m/s", degrees(robot.yaw_rad), robot.speed_m_s) +
                      "  " + robot.drive;
   if (robot.drive == "driving" && robot.command) {
     line += printed(", %.1f m to go", robot.command->to_go_m);
+    if (robot.command->heading_rad)
+      line += ", then to " + heading_text(*robot.command->heading_rad);
   }
   return line + "  seen " + age_text(robot.pose_age_s) + " ago  link " + link_state(robot.link) +
          "  up " + bytes_text(static_cast<double>(robot.link.bytes_up)) + " down " +

@@ -16,6 +16,9 @@ namespace cairn::cli {
 /// "(12.50, -3.00)"
 [[nodiscard]] std::string place_text(double x_m, double y_m);
 
+/// "90 deg"
+[[nodiscard]] std::string heading_text(double yaw_rad);
+
 /// Columns aligned, two spaces between, no trailing blanks; the first row is the head.
 [[nodiscard]] std::string table_text(const std::vector<std::vector<std::string>>& rows);
 

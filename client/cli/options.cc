@@ -9,10 +9,13 @@
 #include <utility>
 
 #include "client/cli/offline_options.h"
+#include "core/common/angle.h"
 
 namespace cairn::cli {
 
 namespace {
+
+constexpr double kMostHeadingDeg = 360.0;
 
 template <class T>
 bool read_whole(std::string_view text, T& value) {
@@ -23,6 +26,30 @@ bool read_whole(std::string_view text, T& value) {
 bool read_coordinate(std::string_view text, double& value) {
   if (text.starts_with('+')) text.remove_prefix(1);
   return read_whole(text, value) && std::isfinite(value) && std::abs(value) <= api::kMaxCoordinateM;
+}
+
+bool read_heading(std::string_view text, double& value_deg) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return read_whole(text, value_deg) && std::abs(value_deg) <= kMostHeadingDeg;
+}
+
+/// "X,Y" or "X,Y,HEADING_DEG".
+Result<api::PlaceJson> parse_place(const std::string& text) {
+  const auto first = text.find(',');
+  const auto second = first == std::string::npos ? first : text.find(',', first + 1);
+  const auto point = parse_point(text.substr(0, second));
+  if (!point) return point.error();
+  api::PlaceJson place{point->x_m, point->y_m, {}};
+  if (second == std::string::npos) return place;
+  double heading_deg = 0.0;
+  if (!read_heading(std::string_view(text).substr(second + 1), heading_deg)) {
+    return Error{ErrorCode::invalid_argument,
+                 "\"" + text +
+                     "\" has no sound heading: expected X,Y,DEGREES with -360 to 360, 0 " +
+                     "east and 90 north, as -3,2.5,90"};
+  }
+  place.heading_rad = radians(heading_deg);
+  return place;
 }
 
 /// CLI11 validators answer with the fault's text, empty when there is none.
@@ -111,14 +138,18 @@ std::string check_area(const std::string& text) {
 }
 
 void add_goto(CLI::App& app, Typed& typed) {
-  auto* sub = add(app, "goto", "Send a robot to a place or along several (metres east and north)",
-                  "  cairn goto 12.5 -3                 returns once the command is sent\n"
-                  "  cairn goto 12.5 -3 --follow        shows the way there; exit 0 = arrived\n"
-                  "  cairn goto r2 12,-3 20,4 0,0       one place after the other\n"
-                  "  cairn goto 12,-3 20,4 --loop --expires 3600    a patrol\n"
-                  "  cairn goto 80 40 --robot r2 --unknown blocked --on-link-loss return");
+  auto* sub =
+      add(app, "goto", "Send a robot to a place or along several (metres east and north)",
+          "  cairn goto 12.5 -3                 returns once the command is sent\n"
+          "  cairn goto 12.5 -3 --follow        shows the way there; exit 0 = arrived\n"
+          "  cairn goto 12.5,-3,90 --follow     and turn to 90 degrees there (0 east, 90 north)\n"
+          "  cairn goto r2 12,-3 20,4 0,0       one place after the other\n"
+          "  cairn goto 12,-3 20,4 --loop --expires 3600    a patrol\n"
+          "  cairn goto 80 40 --robot r2 --unknown blocked --on-link-loss return");
   auto& request = typed.go_to.request;
-  sub->add_option("PLACE", typed.places, "X Y, or [ROBOT] X,Y [X,Y ...]")->required();
+  sub->add_option("PLACE", typed.places,
+                  "X Y, or [ROBOT] X,Y[,HEADING_DEG] [X,Y[,HEADING_DEG] ...]")
+      ->required();
   add_robot(*sub, request.robot);
   add_unknown(*sub, request.unknown);
   sub->add_flag("--partial", request.allow_partial, "Go as near as possible when there is no way");
@@ -233,9 +264,10 @@ Command goto_command_of(Typed& typed) {
   auto& request = typed.go_to.request;
   if (places->robot && request.robot) throw CLI::ExcludesError("ROBOT", "--robot");
   if (places->robot) request.robot = places->robot;
-  request.x_m = places->points[0].x_m;
-  request.y_m = places->points[0].y_m;
-  request.then.assign(places->points.begin() + 1, places->points.end());
+  request.x_m = places->places[0].x_m;
+  request.y_m = places->places[0].y_m;
+  request.heading_rad = places->places[0].heading_rad;
+  request.then.assign(places->places.begin() + 1, places->places.end());
   if (request.loop && request.then.empty()) {
     throw CLI::ValidationError("--loop", "needs two places or more");
   }
@@ -316,16 +348,16 @@ Result<api::PointJson> parse_point(const std::string& text) {
 
 Result<Places> parse_places(const std::vector<std::string>& words) {
   Places places;
-  api::PointJson point;
-  if (words.size() == 2 && read_coordinate(words[0], point.x_m) &&
-      read_coordinate(words[1], point.y_m)) {
-    places.points = {point};
+  api::PlaceJson place;
+  if (words.size() == 2 && read_coordinate(words[0], place.x_m) &&
+      read_coordinate(words[1], place.y_m)) {
+    places.places = {place};
     return places;
   }
   for (std::size_t i = 0; i < words.size(); ++i) {
-    auto read = parse_point(words[i]);
+    auto read = parse_place(words[i]);
     if (read) {
-      places.points.push_back(*read);
+      places.places.push_back(*read);
     } else if (i == 0 && words.size() > 1 && words[0].find(',') == std::string::npos) {
       places.robot = words[0];
     } else {
@@ -333,7 +365,7 @@ Result<Places> parse_places(const std::vector<std::string>& words) {
                    read.error().message + "; one place may also be two numbers of metres: 12.5 -3"};
     }
   }
-  if (places.points.size() > api::kMaxWaypoints) {
+  if (places.places.size() > api::kMaxWaypoints) {
     return Error{ErrorCode::invalid_argument, "more than 256 places"};
   }
   return places;

@@ -22,10 +22,10 @@ struct ServerAddress {
 /// "HOST:PORT", "[IPv6]:PORT".
 [[nodiscard]] Result<ServerAddress> parse_server(const std::string& text);
 [[nodiscard]] std::string to_string(const ServerAddress& address);
-/// Where `goto` leads: "X Y", or "[ROBOT] X,Y [X,Y …]".
+/// Where `goto` leads: "X Y", or "[ROBOT] X,Y[,HEADING_DEG] [X,Y[,HEADING_DEG] …]".
 struct Places {
   std::optional<std::string> robot;
-  std::vector<api::PointJson> points;  ///< One or more.
+  std::vector<api::PlaceJson> places;  ///< One or more.
 };
 [[nodiscard]] Result<Places> parse_places(const std::vector<std::string>& words);
 /// "X,Y" in metres.

@@ -153,6 +153,9 @@ void fields(Io& io, typename Io::template Ref<Command> r) {
   io.number("map version", r.map_version);
   coordinate(io, "goal x", r.goal_x_mm);
   coordinate(io, "goal y", r.goal_y_mm);
+  io.optional("goal yaw", r.goal_yaw_1e4rad, [](Io& each, auto& yaw) {
+    each.template number<std::int32_t>("goal yaw", yaw, -kMaxYaw1e4rad, kMaxYaw1e4rad);
+  });
   io.template number<std::uint16_t>("path points", r.path_points, 0, kMaxPathPoints);
 }
 

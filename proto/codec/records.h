@@ -221,6 +221,8 @@ struct Command {
   std::uint64_t map_version = 0;      ///< Snapshot the path was planned on.
   std::int32_t goal_x_mm = 0;
   std::int32_t goal_y_mm = 0;
+  /// [1e-4 rad] Turned to on the spot once the goal is reached; none: any will do.
+  std::optional<std::int32_t> goal_yaw_1e4rad{};
   std::uint16_t path_points = 0;  ///< In all parts. [Limit: ≤ kMaxPathPoints]
   friend bool operator==(const Command&, const Command&) = default;
 };

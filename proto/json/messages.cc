@@ -49,6 +49,14 @@ void describe(V& v, M& m) {
 }
 
 template <class V, class M>
+requires std::same_as<std::remove_const_t<M>, PlaceJson>
+void describe(V& v, M& m) {
+  v.required("x_m", m.x_m, kCoordinate);
+  v.required("y_m", m.y_m, kCoordinate);
+  v.optional("heading_rad", m.heading_rad, kAngle);
+}
+
+template <class V, class M>
 requires std::same_as<std::remove_const_t<M>, TrafficJson>
 void describe(V& v, M& m) {
   v.required("control_bytes", m.control_bytes, kCount);
@@ -100,6 +108,7 @@ void describe(V& v, M& m) {
   v.required("revision", m.revision, kCount);
   v.required("path", m.path, list_of(kMaxPathPoints));
   v.optional("eta_s", m.eta_s, kNotNegative);
+  v.optional("heading_rad", m.heading_rad, kAngle);
 }
 
 template <class V, class M>
@@ -183,6 +192,7 @@ void describe(V& v, M& m) {
   v.optional("robot", m.robot, kName);
   v.required("x_m", m.x_m, kCoordinate);
   v.required("y_m", m.y_m, kCoordinate);
+  v.optional("heading_rad", m.heading_rad, kAngle);
   v.defaulted("unknown", m.unknown, one_of(kUnknown));
   v.defaulted("on_link_loss", m.on_link_loss, one_of(kOnLinkLoss));
   v.defaulted("expires_s", m.expires_s, kExpiry);
@@ -301,6 +311,7 @@ static void write(nlohmann::json& json, const T& message) {
   template Result<T> from_json<T>(const nlohmann::json& json);
 
 CAIRN_MESSAGE(PointJson)
+CAIRN_MESSAGE(PlaceJson)
 CAIRN_MESSAGE(TrafficJson)
 CAIRN_MESSAGE(SpoolJson)
 CAIRN_MESSAGE(LinkJson)

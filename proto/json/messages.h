@@ -28,6 +28,13 @@ struct PointJson {
   double y_m = 0.0;
 };
 
+/// Where a robot is sent.
+struct PlaceJson {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  std::optional<double> heading_rad{};  ///< To turn to there, 0 = east; none: any. [Limit: ±2π]
+};
+
 /// IP bytes by what they were for.
 struct TrafficJson {
   std::uint64_t control_bytes = 0;  ///< Commands, reports, acknowledgements, set-up.
@@ -72,9 +79,10 @@ struct CommandJson {
   std::string why;
   PointJson goal;
   double to_go_m = 0.0;
-  std::uint32_t revision = 0;     ///< Paths sent for this goal so far.
-  std::vector<PointJson> path;    ///< As last sent.
-  std::optional<double> eta_s{};  ///< Until the goal, at the speed the robot drove lately.
+  std::uint32_t revision = 0;           ///< Paths sent for this goal so far.
+  std::vector<PointJson> path;          ///< As last sent.
+  std::optional<double> eta_s{};        ///< Until the goal, at the speed the robot drove lately.
+  std::optional<double> heading_rad{};  ///< To turn to at the goal; none: any.
 };
 
 /// What a robot is to do in all, of which a command is one leg.
@@ -149,9 +157,10 @@ struct GotoRequest {
   std::string on_link_loss = "stop";  ///< "stop", "continue", "return"
   double expires_s = 600.0;           ///< [Limit: 1 … 86400] Of all of it.
   bool allow_partial = false;
-  std::vector<PointJson> then{};  ///< Places to go to after that. [Limit: ≤ kMaxWaypoints]
-  bool loop = false;              ///< Round and round until it expires.
-  bool queue = false;             ///< After what the robot does now, instead of in its place.
+  std::vector<PlaceJson> then{};        ///< Places to go to after that. [Limit: ≤ kMaxWaypoints]
+  bool loop = false;                    ///< Round and round until it expires.
+  bool queue = false;                   ///< After what the robot does now, instead of in its place.
+  std::optional<double> heading_rad{};  ///< At (x_m, y_m), as PlaceJson's.
 };
 
 struct ExploreRequest {
@@ -230,6 +239,7 @@ struct MapReply {
 
 /// The message as JSON. Numbers must be finite: JSON has no other.
 void to_json(nlohmann::json& json, const PointJson& message);
+void to_json(nlohmann::json& json, const PlaceJson& message);
 void to_json(nlohmann::json& json, const TrafficJson& message);
 void to_json(nlohmann::json& json, const SpoolJson& message);
 void to_json(nlohmann::json& json, const LinkJson& message);

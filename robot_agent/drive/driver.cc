@@ -26,6 +26,8 @@ constexpr int kMaxBackups = 6;
 constexpr double kTurnsToLookAround = 3.0;
 /// [m] A path that begins further away was made for somewhere else.
 constexpr double kMaxOffPathM = 1.5;
+/// While it turns at the end of its path it may be this many times as far off as when it came.
+constexpr double kDriftAtEnd = 3.0;
 
 std::string in_metres(const char* text, double distance_m) {
   char line[96];
@@ -79,6 +81,7 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
   path_points_ = path_m.size();
   follower_.emplace(config_.follower, std::move(path_m));
   way_back_m_.reset();
+  at_end_ = false;
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
@@ -158,6 +161,17 @@ DriveCommand Driver::look_around(const Pose& pose) {
   return {0.0, config_.look_around_rad_s};
 }
 
+DriveCommand Driver::turn_to_heading(const Pose& pose) {
+  const double left_rad =
+      command_.goal_yaw_1e4rad ? wrap_angle(*command_.goal_yaw_1e4rad * 1e-4 - pose.yaw_rad) : 0.0;
+  if (std::abs(left_rad) <= config_.arrive_rad) {
+    arrive();
+    return {};
+  }
+  state_ = DriveState::driving;
+  return {0.0, turn_on_the_spot_rad_s(config_.follower, left_rad)};
+}
+
 void Driver::arrive() {
   const Eigen::Vector2d goal_m(command_.goal_x_mm / 1000.0, command_.goal_y_mm / 1000.0);
   const double short_m = (goal_m - follower_->end_m()).norm();
@@ -170,11 +184,14 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
                             std::optional<Duration> silence) {
   const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
   follower_->advance(place_m);
-  if ((follower_->end_m() - place_m).norm() <= config_.arrive_m) {
+  // Turning on the spot may shift it a little, or what it knows of its place.
+  const double near_m = at_end_ ? kDriftAtEnd * config_.arrive_m : config_.arrive_m;
+  at_end_ = (follower_->end_m() - place_m).norm() <= near_m;
+  if (at_end_) {
     if (way_back_m_) {
       end(CommandState::stopped, "the link was lost: came back all the way");
     } else if (path_points_ < proto::kMaxPathPoints) {
-      arrive();
+      return turn_to_heading(pose);
     } else {
       block("the path ends here: the rest, please", clock);
     }

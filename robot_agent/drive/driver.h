@@ -23,7 +23,10 @@ struct DriverConfig {
   /// [m] Around its middle the robot itself insists on this much less room than the server plans
   /// with, so that noise in a cell at the rim does not stop it.
   double margin_m = 0.1;
-  double arrive_m = 0.06;      ///< [m] Nearer to the end than this is arrived.
+  double arrive_m = 0.06;  ///< [m] Nearer to the end than this is arrived.
+  /// [rad] Nearer to the goal's heading than this is arrived, if the goal has one. Below the 3°
+  /// that are promised: a robot rolls on a little.
+  double arrive_rad = 0.035;
   double look_m = 2.2;         ///< [m] How far ahead the way is judged.
   double stop_short_m = 0.45;  ///< [m] Distance kept from what closes the way.
   /// [m] Within it of unseen ground the robot creeps at `unknown_speed_m_s`.
@@ -108,6 +111,8 @@ class Driver {
   /// Lost: turns on the spot to see what is around, a few turns; then gives up.
   DriveCommand look_around(const Pose& pose);
   DriveCommand back_up(const Pose& pose, const LocalView& view);
+  /// At the path's end: turns to the goal's heading, then says that it has arrived.
+  DriveCommand turn_to_heading(const Pose& pose);
   void arrive();
 
   DriverConfig config_;
@@ -115,6 +120,7 @@ class Driver {
   proto::Command command_;
   std::optional<PathFollower> follower_;
   std::size_t path_points_ = 0;
+  bool at_end_ = false;  ///< The path's end was reached: it turns to the goal's heading.
   Track track_;
   /// [m] What lay before the robot when it turned back for the link's sake; only while it does.
   std::optional<double> way_back_m_;

@@ -26,6 +26,11 @@ Eigen::Vector2d nearest_on_leg(const Eigen::Vector2d& a, const Eigen::Vector2d& 
 
 }  // namespace
 
+double turn_on_the_spot_rad_s(const FollowerConfig& config, double left_rad) {
+  const double rate = std::max(1.5 * std::abs(left_rad), config.creep_rad_s);
+  return std::copysign(std::min(rate, config.max_turn_rad_s), left_rad);
+}
+
 PathFollower::PathFollower(const FollowerConfig& config, std::vector<Eigen::Vector2d> path_m)
     : config_(config), path_m_(std::move(path_m)) {
   assert(!path_m_.empty());
@@ -88,9 +93,7 @@ DriveCommand PathFollower::steer(const Pose& pose, double limit_m_s) const {
   const double distance_m = to_target.norm();
   const double error_rad = wrap_angle(std::atan2(to_target.y(), to_target.x()) - pose.yaw_rad);
   if (std::abs(error_rad) > config_.turn_in_place_rad) {
-    const double rate =
-        std::clamp(1.5 * error_rad, -config_.max_turn_rad_s, config_.max_turn_rad_s);
-    return {0.0, rate};
+    return {0.0, turn_on_the_spot_rad_s(config_, error_rad)};
   }
   const double brake_m_s = std::sqrt(2.0 * config_.deceleration_m_s2 * to_go_m());
   double speed =

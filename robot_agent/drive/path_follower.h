@@ -15,7 +15,11 @@ struct FollowerConfig {
   double lookahead_m = 0.45;       ///< Distance of the point steered at (Coulter 1992).
   double turn_in_place_rad = 0.7;  ///< Beyond this heading error the robot turns on the spot.
   double creep_m_s = 0.06;         ///< Slowest forward speed on the last centimetres.
+  double creep_rad_s = 0.08;       ///< Slowest turn on the spot.
 };
+
+/// [rad/s] To turn on the spot by what is left, within max_turn_rad_s.
+[[nodiscard]] double turn_on_the_spot_rad_s(const FollowerConfig& config, double left_rad);
 
 /// Pure pursuit along a polyline (Coulter 1992), turning on the spot towards what lies behind.
 class PathFollower {

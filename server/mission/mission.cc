@@ -326,6 +326,7 @@ std::optional<api::CommandJson> Mission::describe(const std::string& robot) cons
   json.state = goal.state;
   json.why = goal.why;
   json.goal = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
+  if (goal.command.goal_yaw_1e4rad) json.heading_rad = *goal.command.goal_yaw_1e4rad * 1e-4;
   json.revision = goal.command.revision;
   json.path = to_json_points(goal.path_m);
   const Robot* known = hub_->find(robot);

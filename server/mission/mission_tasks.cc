@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/common/angle.h"
 #include "server/mission/mission.h"
 #include "server/mission/planning.h"
 
@@ -56,12 +57,24 @@ constexpr const char* kOthersFirst = "waits for other robots to see what is left
 
 std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
 
+std::int32_t to_1e4rad(double rad) {
+  return static_cast<std::int32_t>(std::lround(wrap_angle(rad) * 1e4));
+}
+
 Eigen::Vector2d place_of(const Robot& robot) { return {robot.x_m(), robot.y_m()}; }
 
-double length_m(const std::vector<Eigen::Vector2d>& points_m, std::size_t first) {
+double length_m(const std::vector<Eigen::Vector2d>& points_m) {
   double length = 0.0;
-  for (std::size_t i = first + 1; i < points_m.size(); ++i) {
+  for (std::size_t i = 1; i < points_m.size(); ++i)
     length += (points_m[i] - points_m[i - 1]).norm();
+  return length;
+}
+
+/// [m] As the crow flies from place to place, after the one that is driven to.
+double length_after_next_m(const Task& task) {
+  double length = 0.0;
+  for (std::size_t i = task.next + 1; i < task.waypoints.size(); ++i) {
+    length += (task.waypoints[i].place_m - task.waypoints[i - 1].place_m).norm();
   }
   return length;
 }
@@ -87,11 +100,11 @@ void Mission::go_to(const api::GotoRequest& request, const Reply& reply) {
   task.planner.unknown = unknown_of(request.unknown);
   task.allow_partial = request.allow_partial;
   task.loop = request.loop;
-  task.waypoints_m.emplace_back(request.x_m, request.y_m);
-  for (const api::PointJson& point : request.then) {
-    task.waypoints_m.emplace_back(point.x_m, point.y_m);
+  task.waypoints.push_back({{request.x_m, request.y_m}, request.heading_rad});
+  for (const api::PlaceJson& place : request.then) {
+    task.waypoints.push_back({{place.x_m, place.y_m}, place.heading_rad});
   }
-  if (task.loop && task.waypoints_m.size() < 2) {
+  if (task.loop && task.waypoints.size() < 2) {
     return reply(Error{ErrorCode::invalid_argument, "a loop needs two places or more"});
   }
   take(**robot, std::move(task), request.queue, reply);
@@ -120,7 +133,7 @@ void Mission::go_home(const api::ReturnRequest& request, const Reply& reply) {
   mind(**robot, duty);  // It may have come this very moment.
   Task task = new_task(TaskKind::go_home, request.on_link_loss, request.expires_s);
   task.planner.unknown = unknown_of(request.unknown);
-  task.waypoints_m = {duty.home_m};
+  task.waypoints = {{duty.home_m, {}}};
   take(**robot, std::move(task), request.queue, reply);
 }
 
@@ -179,8 +192,10 @@ Mission::Goal Mission::leg_of(const Task& task) {
   goal.command.issuer = "operator";
   goal.command.on_link_loss = task.on_link_loss;
   if (task.kind != TaskKind::explore) {
-    goal.command.goal_x_mm = to_mm(task.waypoints_m[task.next].x());
-    goal.command.goal_y_mm = to_mm(task.waypoints_m[task.next].y());
+    const Waypoint& waypoint = task.waypoints[task.next];
+    goal.command.goal_x_mm = to_mm(waypoint.place_m.x());
+    goal.command.goal_y_mm = to_mm(waypoint.place_m.y());
+    if (waypoint.heading_rad) goal.command.goal_yaw_1e4rad = to_1e4rad(*waypoint.heading_rad);
   }
   return goal;
 }
@@ -337,8 +352,8 @@ std::optional<double> Mission::seconds_to_go(const std::string& id, const Task* 
   if (duty == duties_.end() || goal == goals_.end() || robot == hub_->robots().end()) return {};
   if (!robot->second.pose) return {};
   const bool told = robot->second.pose->command == goal->second.command.id;
-  double to_go_m = told ? robot->second.pose->to_go_mm / 1000.0 : length_m(goal->second.path_m, 0);
-  if (task != nullptr) to_go_m += length_m(task->waypoints_m, task->next);
+  double to_go_m = told ? robot->second.pose->to_go_mm / 1000.0 : length_m(goal->second.path_m);
+  if (task != nullptr) to_go_m += length_after_next_m(*task);
   return to_go_m / duty->second.speed_m_s;
 }
 
@@ -352,7 +367,7 @@ std::optional<api::TaskJson> Mission::describe_task(const std::string& robot) co
   json.state = name_of(task->state);
   json.why = task->why;
   json.legs = task->legs;
-  json.legs_all = task->waypoints_m.size();
+  json.legs_all = task->waypoints.size();
   json.rounds = task->rounds;
   json.waiting = duty->second.tasks.waiting();
   if (task->state != TaskState::active) return json;

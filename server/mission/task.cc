@@ -13,7 +13,7 @@ void end(Task& task, TaskState state, std::string why) {
 
 void reach_waypoint(Task& task) {
   ++task.legs;
-  if (++task.next < task.waypoints_m.size()) return;
+  if (++task.next < task.waypoints.size()) return;
   if (!task.loop) return end(task, TaskState::done, "");
   task.next = 0;
   task.legs = 0;

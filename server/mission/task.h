@@ -18,11 +18,16 @@ namespace cairn::server {
 enum class TaskKind : std::uint8_t { go_to, explore, go_home };
 enum class TaskState : std::uint8_t { active, done, failed, cancelled, expired };
 
+struct Waypoint {
+  Eigen::Vector2d place_m;
+  std::optional<double> heading_rad;  ///< To turn to there; none: any.
+};
+
 /// What an operator wants of a robot: several legs, each of which is one command to the robot.
 struct Task {
   std::uint64_t id = 0;
   TaskKind kind = TaskKind::go_to;
-  std::vector<Eigen::Vector2d> waypoints_m;  ///< Of go_to and go_home. [Limit: ≥ 1]
+  std::vector<Waypoint> waypoints;  ///< Of go_to and go_home. [Limit: ≥ 1]
   bool loop = false;
   std::optional<AreaM> area;  ///< Of explore.
   PlannerConfig planner;

@@ -166,6 +166,7 @@ class RandomRecords {
             whole<std::uint64_t>(),
             coordinate(),
             coordinate(),
+            percent(50) ? std::optional(place().yaw_1e4rad) : std::nullopt,
             between<std::uint16_t>(0, kMaxPathPoints)};
   }
   PathPart part() {

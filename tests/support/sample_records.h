@@ -53,6 +53,7 @@ inline Command sample_command() {
           .map_version = 77,
           .goal_x_mm = 30'000,
           .goal_y_mm = -8'000,
+          .goal_yaw_1e4rad = -15'708,
           .path_points = 2};
 }
 

@@ -34,6 +34,15 @@ TEST(Follow, ShowsPlaceWayAgeAndBytesSinceTheStart) {
   EXPECT_THAT(step.line, HasSubstr("up 1.00 kB"));
 }
 
+TEST(Follow, ShowsTheHeadingThatIsAskedForAndTheOneItHas) {
+  auto status = status_with("accepted");
+  status.robots[0].yaw_rad = 0.5236;
+  status.robots[0].command->heading_rad = 1.5708;
+  EXPECT_THAT(follow().step(status).line, HasSubstr("3.2 m to go, heading 30 deg of 90 deg"));
+  status.robots[0].command->state = "arrived";
+  EXPECT_THAT(follow().step(status).line, HasSubstr(", heading 30 deg after"));
+}
+
 TEST(Follow, SucceedsOnlyOnArrival) {
   EXPECT_EQ(follow().step(status_with("arrived")).exit, kExitOk);
   for (const char* state : {"refused", "superseded", "stopped", "expired"}) {

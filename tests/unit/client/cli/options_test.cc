@@ -35,6 +35,20 @@ TEST(Arguments, TakeNegativeCoordinatesAsNumbers) {
   EXPECT_EQ(command<PlanCommand>({"plan", "--from", "-3,2", "--to", "1,2"}).request.from.x_m, -3.0);
 }
 
+TEST(Arguments, TakeAHeadingWithEachPlace) {
+  const auto go = command<GotoCommand>({"goto", "r2", "-1,2,90", "3,4", "5,-6,-180"}).request;
+  EXPECT_NEAR(go.heading_rad.value(), 1.5707963, 1e-6);
+  EXPECT_EQ(go.then[0].heading_rad, std::nullopt);
+  EXPECT_NEAR(go.then[1].heading_rad.value(), -3.1415927, 1e-6);
+  EXPECT_EQ(command<GotoCommand>({"goto", "1", "2"}).request.heading_rad, std::nullopt);
+}
+
+TEST(Arguments, SayWhatAHeadingMustBe) {
+  for (const char* place : {"1,2,nan", "1,2,361", "1,2,inf", "1,2,", "1,2,3,4", "1,2,north"}) {
+    EXPECT_THAT(usage({"goto", place}).err, HasSubstr("-360 to 360")) << place;
+  }
+}
+
 TEST(Arguments, FillTheGoalsRequest) {
   const auto go =
       command<GotoCommand>({"goto", "1", "2", "--robot", "r2", "--unknown", "blocked",

@@ -73,13 +73,17 @@ TEST(Messages, RequestsFillInWhatHasADefault) {
 TEST(Messages, TasksComeBackAsTheyWereWritten) {
   GotoRequest go;
   go.x_m = 1.5;
-  go.then = {{2, 3}, {-4, 5}};
+  go.heading_rad = -1.0;
+  go.then = {{2, 3, {}}, {-4, 5, 0.5}};
   go.loop = true;
   go.on_link_loss = "return";
   const auto read = from_json<GotoRequest>(json(go));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->then.size(), 2U);
   EXPECT_EQ(read->then[1].x_m, -4.0);
+  EXPECT_EQ(read->heading_rad, -1.0);
+  EXPECT_EQ(read->then[0].heading_rad, std::nullopt);
+  EXPECT_EQ(read->then[1].heading_rad, 0.5);
   EXPECT_TRUE(read->loop);
   EXPECT_EQ(read->on_link_loss, "return");
   ExploreRequest explore;
@@ -125,6 +129,15 @@ TEST(Messages, RefuseAbsurdNumbers) {
   for (const double x_m : {100'001.0, -100'001.0, 1e300, std::numeric_limits<double>::infinity(),
                            std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THAT(fault_of<GotoRequest>({{"x_m", x_m}, {"y_m", 0}}), HasSubstr("x_m: expected"));
+  }
+  for (const double heading_rad : {6.3, -7.0, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THAT(fault_of<GotoRequest>({{"x_m", 1}, {"y_m", 0}, {"heading_rad", heading_rad}}),
+                HasSubstr("heading_rad: expected a number from -6.28"));
+    EXPECT_THAT(
+        fault_of<GotoRequest>({{"x_m", 1},
+                               {"y_m", 0},
+                               {"then", {{{"x_m", 1}, {"y_m", 0}, {"heading_rad", heading_rad}}}}}),
+        HasSubstr("then[0].heading_rad: expected"));
   }
   EXPECT_THAT(fault_of<WatchRequest>({{"period_ms", 99}}), HasSubstr("from 100 to 10000"));
   EXPECT_THAT(fault_of<WatchRequest>({{"period_ms", 18446744073709551615U}}),

@@ -117,6 +117,62 @@ TEST_F(DriverTest, DrivesToTheGoalAndSaysSo) {
   EXPECT_EQ(driver.command(), 0U);
 }
 
+TEST_F(DriverTest, TurnsToTheHeadingAtTheGoalBeforeItHasArrived) {
+  std::uint64_t id = 0;
+  for (const double heading_deg : {90.0, -179.0, 180.0, 10.0}) {
+    pose = {};
+    reports.clear();
+    proto::RobotLink::Order order = go_to(++id, {{0, 0}, {1.5, 0}});
+    order.command.goal_yaw_1e4rad =
+        static_cast<std::int32_t>(std::lround(radians(heading_deg) * 1e4));
+    take(order);
+    double fastest_rad_s = 0.0;
+    for (const MonotonicTime end = clock + seconds(30); driver.busy() && clock < end;) {
+      step();
+      fastest_rad_s = std::max(fastest_rad_s, std::abs(wheels.turn_rate_rad_s));
+    }
+    EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::arrived));
+    EXPECT_LE(std::abs(wrap_angle(pose.yaw_rad - radians(heading_deg))), radians(3.0))
+        << heading_deg;
+    EXPECT_LE((testing::place_of(pose) - Eigen::Vector2d(1.5, 0)).norm(), 0.06);
+    EXPECT_LE(fastest_rad_s, DriverConfig{}.follower.max_turn_rad_s);
+    EXPECT_EQ(wheels.turn_rate_rad_s, 0.0);
+  }
+}
+
+TEST_F(DriverTest, TurnsTheShorterWayToTheHeading) {
+  pose.yaw_rad = radians(170.0);
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {0.01, 0}});
+  order.command.goal_yaw_1e4rad = static_cast<std::int32_t>(std::lround(radians(-170.0) * 1e4));
+  take(order);
+  step();
+  EXPECT_GT(wheels.turn_rate_rad_s, 0.0);
+  EXPECT_EQ(wheels.speed_m_s, 0.0);
+}
+
+TEST_F(DriverTest, GoesBackToTheGoalWhenTurningHasCarriedItAway) {
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {1.5, 0}});
+  order.command.goal_yaw_1e4rad = 15'708;
+  take(order);
+  for (int i = 0; i < 400 && pose.yaw_rad < 0.5; ++i) step();
+  ASSERT_EQ(driver.state(), DriveState::driving);
+  pose.y_m += 0.5;
+  run(seconds(30));
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::arrived));
+  EXPECT_NEAR(pose.yaw_rad, radians(90.0), radians(3.0));
+  EXPECT_LE((testing::place_of(pose) - Eigen::Vector2d(1.5, 0)).norm(), 3.0 * 0.06);
+}
+
+TEST_F(DriverTest, StopsTurningWhenItsTimeIsOver) {
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {0.01, 0}});
+  order.command.goal_yaw_1e4rad = 31'416;
+  order.command.expires_clock_ms = 101'000;
+  take(order);
+  run(seconds(2));
+  EXPECT_THAT(states(), ElementsAre(CommandState::accepted, CommandState::expired));
+  EXPECT_EQ(wheels.turn_rate_rad_s, 0.0);
+}
+
 TEST_F(DriverTest, SaysHowFarFromTheGoalAPathToTheNearestPlaceEnds) {
   proto::RobotLink::Order order = go_to(7, {{0, 0}, {2, 0}});
   order.command.goal_x_mm = 3500;

@@ -13,7 +13,7 @@ const Eigen::Vector2d kThere(3.0, 4.0);
 Task patrol(bool loop) {
   Task task;
   task.id = 1;
-  task.waypoints_m = {{1, 0}, {2, 0}, {3, 0}};
+  task.waypoints = {{{1, 0}, {}}, {{2, 0}, {}}, {{3, 0}, {}}};
   task.loop = loop;
   return task;
 }
