@@ -258,24 +258,23 @@ void Server::stop(const api::StopRequest& request, Reply<api::CommandReply> repl
 void Server::plan(const api::PlanRequestJson& request, Reply<api::PlanReply> reply) {
   const auto site = site_or_only(request.site);
   if (!site) return reply(site.error());
-  asio::post(executor_, [self = shared_from_this(), map = (*site)->snapshot(), request,
-                         reply = std::move(reply)] {
-    const MonotonicTime began = Hub::now();
-    PlannerConfig planner = self->config_.mission.planner;
-    planner.unknown =
-        request.unknown == "allowed" ? UnknownGround::allowed : UnknownGround::blocked;
-    PlanRequest wanted;
-    wanted.start_m = {request.from.x_m, request.from.y_m};
-    wanted.goal_m = {request.to.x_m, request.to.y_m};
-    wanted.allow_partial = request.allow_partial;
-    const auto grid = drivable_grid(*map, {wanted.start_m, wanted.goal_m}, planner,
-                                    self->config_.mission.min_probability);
-    if (!grid) return reply(grid.error());
-    api::PlanReply answer = to_reply(cairn::plan(*grid, wanted, planner));
-    answer.map_version = map->version;
-    answer.seconds = to_seconds(Hub::now() - began);
-    reply(answer);
-  });
+  asio::post(
+      executor_, [self = shared_from_this(), site = *site, request, reply = std::move(reply)] {
+        const MonotonicTime began = Hub::now();
+        PlanTarget target{site->info().name, site->snapshot(), {}, self->config_.mission.planner};
+        target.planner.unknown =
+            request.unknown == "allowed" ? UnknownGround::allowed : UnknownGround::blocked;
+        target.request.start_m = {request.from.x_m, request.from.y_m};
+        target.request.goal_m = {request.to.x_m, request.to.y_m};
+        target.request.allow_partial = request.allow_partial;
+        api::PlanReply answer;
+        const Status followed = self->mission_->fields().with(
+            target, [&](const KeptField& field) { answer = to_reply(field.plan(target)); });
+        if (!followed) return reply(followed.error());
+        answer.map_version = target.map->version;
+        answer.seconds = to_seconds(Hub::now() - began);
+        reply(answer);
+      });
 }
 
 void Server::map(const std::string& site, Reply<Map> reply) {

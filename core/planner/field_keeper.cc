@@ -1,6 +1,7 @@
 #include "core/planner/field_keeper.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "core/planner/tile_wave.h"
@@ -12,6 +13,9 @@ namespace {
 /// A repair that looks at more than this part of all cells takes as long as a new field: those are
 /// swept, many at a time.
 constexpr std::size_t kPatience = 16;
+/// [cells] Changes are converted together within squares of this size: they may come from all over
+/// the map.
+constexpr int kGroup = 64;
 
 GridBox grown(const GridBox& box, int by, const HeightGrid& within) {
   return {std::max(box.x0 - by, 0), std::max(box.y0 - by, 0),
@@ -23,6 +27,20 @@ void each_cell(const GridBox& box, Visit&& visit) {
   for (int y = box.y0; y <= box.y1; ++y) {
     for (int x = box.x0; x <= box.x1; ++x) visit(x, y);
   }
+}
+
+/// The box with the unknown cells to its east, which carry on the lift of the last known one.
+GridBox with_lift_carried(GridBox box, const HeightGrid& heights) {
+  int x1 = box.x1;
+  for (int y = box.y0; y <= box.y1; ++y) {
+    const std::uint8_t* row = heights.probability.data() +
+                              static_cast<std::size_t>(y) * static_cast<std::size_t>(heights.width);
+    const std::uint8_t* known =
+        std::find_if(row + box.x1 + 1, row + heights.width, [](std::uint8_t p) { return p != 0; });
+    x1 = std::max(x1, static_cast<int>(known - row) - 1);
+  }
+  box.x1 = x1;
+  return box;
 }
 
 /// The part of the heights in the box.
@@ -48,9 +66,8 @@ WeightLayer cut_out(const WeightLayer& weights, const HeightGrid& heights, const
 
 }  // namespace
 
-Result<FieldKeeper> FieldKeeper::create(HeightGrid heights, const PlannerConfig& config,
-                                        CellIndex goal, WeightLayer weights) {
-  DrivableGrid grid = make_drivable(std::move(heights), config, std::move(weights));
+Result<FieldKeeper> FieldKeeper::create(DrivableGrid grid, const PlannerConfig& config,
+                                        CellIndex goal) {
   Result<Field> field = compute_field(grid, goal);
   if (!field) return field.error();
   return FieldKeeper(std::move(grid), config, std::move(*field));
@@ -64,7 +81,7 @@ FieldKeeper::FieldKeeper(DrivableGrid grid, const PlannerConfig& config, Field f
 
 void FieldKeeper::change(const std::vector<CellChange>& changes) {
   HeightGrid& heights = grid_.heights;
-  GridBox box{heights.width, heights.height, -1, -1};
+  std::map<std::pair<int, int>, GridBox> boxes;
   for (const CellChange& change : changes) {
     if (!heights.contains(change.cell)) continue;
     const std::size_t at = heights.at(change.cell);
@@ -72,12 +89,18 @@ void FieldKeeper::change(const std::vector<CellChange>& changes) {
     heights.probability[at] = change.probability;
     const int x = change.cell.x - heights.origin.x;
     const int y = change.cell.y - heights.origin.y;
+    GridBox& box = boxes.try_emplace({x / kGroup, y / kGroup}, GridBox{x, y, x, y}).first->second;
     box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x), std::max(box.y1, y)};
   }
-  if (box.empty()) return;
-  const std::vector<std::uint32_t> cells = convert(box);
+  std::vector<std::uint32_t> cells;
+  for (const auto& [group, box] : boxes) {
+    const std::vector<std::uint32_t> different = convert(box);
+    cells.insert(cells.end(), different.begin(), different.end());
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   const auto goal = static_cast<std::uint32_t>(grid_.ground_at(field_.goal));
-  if (std::find(cells.begin(), cells.end(), goal) != cells.end()) {
+  if (std::binary_search(cells.begin(), cells.end(), goal)) {
     start_anew();
   } else {
     repair(cells);
@@ -91,7 +114,7 @@ std::vector<std::uint32_t> FieldKeeper::convert(const GridBox& changed) {
   convert_open(inner, grown(inner, reach, heights));
 
   // One more around: what a cell's steps are like depends on whether its neighbours are open.
-  const GridBox priced = grown(inner, 1, heights);
+  const GridBox priced = with_lift_carried(grown(inner, 1, heights), heights);
   struct Worth {
     std::int32_t lift;
     std::uint16_t price;
@@ -135,6 +158,15 @@ void FieldKeeper::repair(const std::vector<std::uint32_t>& cells) {
   }
   const std::size_t most = 1000 + field_.levelled.size() / kPatience;
   if (!Wave(grid_, field_).repair(cells, doubted_, most)) start_anew();
+}
+
+std::size_t FieldKeeper::memory_bytes() const {
+  const auto bytes = [](const auto& values) { return values.capacity() * sizeof values[0]; };
+  const PricedGround& ground = grid_.ground;
+  return bytes(grid_.heights.height_mm) + bytes(grid_.heights.probability) + bytes(grid_.classes) +
+         bytes(grid_.open) + bytes(grid_.weights) + bytes(grid_.soft_price) + bytes(ground.lift) +
+         bytes(ground.price) + bytes(ground.open_bits) + bytes(ground.level_price) +
+         bytes(field_.levelled) + bytes(doubted_);
 }
 
 void FieldKeeper::start_anew() {

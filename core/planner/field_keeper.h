@@ -21,9 +21,9 @@ struct CellChange {
 class FieldKeeper {
  public:
   /// invalid_argument when the goal is outside or closed.
-  /// Requires: faults(config).empty().
-  [[nodiscard]] static Result<FieldKeeper> create(HeightGrid heights, const PlannerConfig& config,
-                                                  CellIndex goal, WeightLayer weights = {});
+  /// Requires: the grid was made with the config.
+  [[nodiscard]] static Result<FieldKeeper> create(DrivableGrid grid, const PlannerConfig& config,
+                                                  CellIndex goal);
 
   /// Takes over new values; cells outside the grid are left out. A goal that gets closed is reached
   /// from nowhere until it opens again.
@@ -31,11 +31,14 @@ class FieldKeeper {
 
   [[nodiscard]] const DrivableGrid& grid() const { return grid_; }
   [[nodiscard]] const Field& field() const { return field_; }
+  /// [bytes] Of the grid, the field and its work space.
+  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   FieldKeeper(DrivableGrid grid, const PlannerConfig& config, Field field);
 
   /// Classes, what is open and what it costs around the changed box; what differs then.
+  /// Requires: the heights are those after all changes, in whatever box.
   [[nodiscard]] std::vector<std::uint32_t> convert(const GridBox& changed);
   void convert_open(const GridBox& box, const GridBox& around);
   void start_anew();

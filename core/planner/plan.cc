@@ -1,6 +1,7 @@
 #include "core/planner/plan.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -235,9 +236,10 @@ Path second_best(const DrivableGrid& grid, const PlannerConfig& config, const Pl
   return path;
 }
 
-}  // namespace
-
-Path plan(const DrivableGrid& grid, const PlanRequest& request, const PlannerConfig& config) {
+/// `find_field` gives the field to a goal that is open, when it is needed.
+template <class FindField>
+Path plan_with(const DrivableGrid& grid, const PlanRequest& request, const PlannerConfig& config,
+               FindField&& find_field) {
   if (!request.start_m.allFinite()) return no_path("the start's coordinates are not numbers");
   if (!request.goal_m.allFinite()) return no_path("the goal's coordinates are not numbers");
   const auto start = cell_at(grid, request.start_m);
@@ -249,7 +251,7 @@ Path plan(const DrivableGrid& grid, const PlanRequest& request, const PlannerCon
   const std::string closed = goal ? why_closed(grid, *goal) : "lies outside the map";
   std::string why = "the goal " + closed;
   if (closed.empty()) {
-    const Field field = compute_field(grid, *goal).value();
+    const Field& field = find_field(*goal);
     if (const auto entrance = best_entrance(field, grid, ways_in)) {
       Path path = path_along(grid, field, *entrance, request, request.goal_m);
       path.status = PathStatus::complete;
@@ -258,6 +260,24 @@ Path plan(const DrivableGrid& grid, const PlanRequest& request, const PlannerCon
     why = kCutOff;
   }
   return second_best(grid, config, request, ways_in, std::move(why));
+}
+
+}  // namespace
+
+Path plan(const DrivableGrid& grid, const PlanRequest& request, const PlannerConfig& config) {
+  Field field;
+  return plan_with(grid, request, config, [&](CellIndex goal) -> const Field& {
+    return field = compute_field(grid, goal).value();
+  });
+}
+
+Path plan(const DrivableGrid& grid, const Field& field, const PlanRequest& request,
+          const PlannerConfig& config) {
+  return plan_with(grid, request, config, [&](CellIndex goal) -> const Field& {
+    assert(goal == field.goal);
+    (void)goal;
+    return field;
+  });
 }
 
 }  // namespace cairn

@@ -47,6 +47,11 @@ struct PlanRequest {
 [[nodiscard]] Path plan(const DrivableGrid& grid, const PlanRequest& request,
                         const PlannerConfig& config);
 
+/// The same with the field at hand. Requires: the field is of this grid and leads to the goal's
+/// cell; where that is closed it has not been reached.
+[[nodiscard]] Path plan(const DrivableGrid& grid, const Field& field, const PlanRequest& request,
+                        const PlannerConfig& config);
+
 /// Fewer points: drops those within `tolerance_m` of the line between kept ones (Douglas & Peucker
 /// 1973) where that line crosses only open cells, cutting no corner, and no step beyond the limits
 /// in the direction of travel. Corners are looked at 1024 at a time, which bounds the time.

@@ -1,6 +1,10 @@
 #include "core/planner/tile_wave.h"
 
 #include <cstring>
+#include <functional>
+#include <queue>
+#include <utility>
+#include <vector>
 
 namespace cairn {
 namespace {
@@ -159,27 +163,33 @@ void TileWave::solve_uneven(int tx, int ty, const News&) {
   const int x1 = std::min((tx + 1) * kSize, field_.width);
   const int y1 = std::min((ty + 1) * kSize, field_.height);
   const auto stride = static_cast<std::size_t>(ground_.stride);
-  std::vector<std::size_t> wave;
+  // In the order of true costs, whatever was levelled: in any other, cells next to unknown ground,
+  // where no effort counts, are bettered again and again.
+  using Waiting = std::pair<std::int32_t, std::size_t>;
+  std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> wave;
+  const auto key = [&](std::size_t cell) {
+    return field_.levelled[cell] - ground_.one_way_effort(cell);
+  };
   const auto offer = [&](std::size_t cell) {
     const std::int32_t old = field_.levelled[cell];
     if (old == Field::kClosed) return;
     const std::int32_t now = reader_.cost_by_neighbours(field_.levelled.data(), cell);
     if (now >= old || cell == grid_.ground_at(field_.goal)) return;
     field_.levelled[cell] = now;
-    wave.push_back(cell);
+    wave.emplace(key(cell), cell);
   };
   for (int y = ty * kSize; y < y1; ++y) {
     for (int x = tx * kSize; x < x1; ++x) offer(ground_.at(x, y));
   }
   while (!wave.empty()) {
-    const std::vector<std::size_t> lowered = std::exchange(wave, {});
-    for (const std::size_t cell : lowered) {
-      for (int d = 0; d < 8; ++d) {
-        const std::size_t other = cell + static_cast<std::size_t>(reader_.step(d));
-        const int x = static_cast<int>(other % stride) - 1;
-        const int y = static_cast<int>(other / stride) - 1;
-        if (x >= tx * kSize && x < x1 && y >= ty * kSize && y < y1) offer(other);
-      }
+    const auto [cost, cell] = wave.top();
+    wave.pop();
+    if (cost != key(cell)) continue;  // It was bettered since.
+    for (int d = 0; d < 8; ++d) {
+      const std::size_t other = cell + static_cast<std::size_t>(reader_.step(d));
+      const int x = static_cast<int>(other % stride) - 1;
+      const int y = static_cast<int>(other / stride) - 1;
+      if (x >= tx * kSize && x < x1 && y >= ty * kSize && y < y1) offer(other);
     }
   }
 }

@@ -84,6 +84,7 @@ Mission::Mission(Hub::Strand strand, asio::any_io_executor executor, std::shared
       executor_(std::move(executor)),
       hub_(std::move(hub)),
       config_(config),
+      fields_(config.min_probability),
       timer_(strand_) {}
 
 void Mission::start() {
@@ -142,32 +143,32 @@ void Mission::stop(const api::StopRequest& request, const Reply& reply) {
 
 void Mission::plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vector2d> keep_m,
                    OnPlanned done) {
-  PlanRequest request;
-  request.start_m = {robot.x_m(), robot.y_m()};
-  request.goal_m = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
-  request.allow_partial = goal.allow_partial;
+  PlanTarget target{robot.site->info().name, robot.site->snapshot(), {}, goal.planner};
+  target.request.start_m = {robot.x_m(), robot.y_m()};
+  target.request.goal_m = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
+  target.request.allow_partial = goal.allow_partial;
   std::optional<ExploreWish> exploring;
   if (const auto duty = duties_.find(robot.id); goal.of_task && duty != duties_.end()) {
     Task* task = duty->second.tasks.current();
     if (task != nullptr && task->kind == TaskKind::explore) exploring = wish_of(robot, *task);
   }
-  asio::post(executor_, [self = shared_from_this(), map = robot.site->snapshot(), request,
-                         planner = goal.planner, keep_m = std::move(keep_m), done = std::move(done),
+  asio::post(executor_, [self = shared_from_this(), target = std::move(target),
+                         keep_m = std::move(keep_m), done = std::move(done),
                          exploring = std::move(exploring)] {
     const MonotonicTime began = Hub::now();
     Planned planned;
-    planned.map_version = map->version;
-    const auto grid = drivable_grid(*map, {request.start_m, request.goal_m}, planner,
-                                    self->config_.min_probability);
-    if (!grid) {
-      planned.path.why = grid.error().message;
-    } else if (exploring && !still_a_frontier(*grid, *exploring, request.goal_m)) {
-      planned.seen = true;
-    } else if (!keep_m.empty() && path_is_open(*grid, rest_of(keep_m, request.start_m))) {
-      planned.kept = true;
-    } else {
-      planned.path = cairn::plan(*grid, request, planner);
-    }
+    planned.map_version = target.map->version;
+    const Status followed = self->fields_.with(target, [&](const KeptField& field) {
+      const PlanRequest& request = target.request;
+      if (exploring && !still_a_frontier(field.grid(), *exploring, request.goal_m)) {
+        planned.seen = true;
+      } else if (!keep_m.empty() && path_is_open(field.grid(), rest_of(keep_m, request.start_m))) {
+        planned.kept = true;
+      } else {
+        planned.path = field.plan(target);
+      }
+    });
+    if (!followed) planned.path.why = followed.error().message;
     planned.took = Hub::now() - began;
     asio::post(self->strand_, [done, planned = std::move(planned)] { done(planned); });
   });

@@ -15,6 +15,7 @@
 #include "server/api/service.h"
 #include "server/link/hub.h"
 #include "server/mission/exploring.h"
+#include "server/mission/kept_fields.h"
 #include "server/mission/task.h"
 
 namespace cairn::server {
@@ -46,6 +47,9 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void reported(Robot& robot, const proto::CommandReport& report);
   void start();
   void halt();
+
+  /// The fields that its goals are planned with, for others who plan.
+  [[nodiscard]] KeptFields& fields() { return fields_; }
 
   [[nodiscard]] std::optional<api::CommandJson> describe(const std::string& robot) const;
   [[nodiscard]] std::optional<api::TaskJson> describe_task(const std::string& robot) const;
@@ -145,6 +149,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
   boost::asio::any_io_executor executor_;
   std::shared_ptr<Hub> hub_;
   MissionConfig config_;
+  KeptFields fields_;
   boost::asio::steady_timer timer_;
   std::map<std::string, Goal> goals_;   ///< By robot; bounded by Hub::kMaxRobots.
   std::map<std::string, Duty> duties_;  ///< As goals_.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace cairn::server {
 
@@ -12,57 +13,61 @@ namespace {
 /// [m] Room kept around everything, so that ways around obstacles at the edge stay possible.
 constexpr double kMarginM = 3.0;
 
-struct Window {
+/// Tiles from the lowest to the highest.
+struct TileWindow {
   std::int64_t lowest_x = std::numeric_limits<std::int64_t>::max();
   std::int64_t lowest_y = std::numeric_limits<std::int64_t>::max();
   std::int64_t highest_x = std::numeric_limits<std::int64_t>::min();
   std::int64_t highest_y = std::numeric_limits<std::int64_t>::min();
 
-  void include(std::int64_t x, std::int64_t y) {
-    lowest_x = std::min(lowest_x, x);
-    lowest_y = std::min(lowest_y, y);
-    highest_x = std::max(highest_x, x);
-    highest_y = std::max(highest_y, y);
+  void include(std::int64_t tx, std::int64_t ty) {
+    lowest_x = std::min(lowest_x, tx);
+    lowest_y = std::min(lowest_y, ty);
+    highest_x = std::max(highest_x, tx);
+    highest_y = std::max(highest_y, ty);
   }
 };
 
-Window window_around(const MapSnapshot& map, const std::vector<Eigen::Vector2d>& points_m) {
-  Window window;
-  const double cell_m = map.cell_size_mm / 1000.0;
-  const auto margin = static_cast<std::int64_t>(std::ceil(kMarginM / cell_m));
-  for (const auto& [key, tile] : map.tiles) {
-    const std::int64_t x = std::int64_t{key.tx} * Tile::kSize;
-    const std::int64_t y = std::int64_t{key.ty} * Tile::kSize;
-    window.include(x, y);
-    window.include(x + Tile::kSize - 1, y + Tile::kSize - 1);
-  }
-  for (const Eigen::Vector2d& point : points_m) {
-    const auto x = static_cast<std::int64_t>(std::floor(point.x() / cell_m));
-    const auto y = static_cast<std::int64_t>(std::floor(point.y() / cell_m));
-    window.include(x - margin, y - margin);
-    window.include(x + margin, y + margin);
-  }
-  return window;
-}
-
 }  // namespace
 
-Result<DrivableGrid> drivable_grid(const MapSnapshot& map,
-                                   const std::vector<Eigen::Vector2d>& points_m,
-                                   const PlannerConfig& config, std::uint8_t min_probability) {
-  const Window window = window_around(map, points_m);
+Result<MapWindow> window_around(const MapSnapshot& map,
+                                const std::vector<Eigen::Vector2d>& points_m) {
+  TileWindow window;
+  const double tile_m = map.cell_size_mm / 1000.0 * Tile::kSize;
+  const auto tile_at = [&](double m) { return static_cast<std::int64_t>(std::floor(m / tile_m)); };
+  for (const auto& [key, tile] : map.tiles) window.include(key.tx, key.ty);
+  for (const Eigen::Vector2d& point : points_m) {
+    window.include(tile_at(point.x() - kMarginM), tile_at(point.y() - kMarginM));
+    window.include(tile_at(point.x() + kMarginM), tile_at(point.y() + kMarginM));
+  }
   if (window.highest_x < window.lowest_x) {
     return Error{ErrorCode::unavailable, "the map is empty: let a robot look around first"};
   }
-  auto grid = empty_grid(
-      {static_cast<std::int32_t>(window.lowest_x), static_cast<std::int32_t>(window.lowest_y)},
-      {static_cast<std::int32_t>(window.highest_x), static_cast<std::int32_t>(window.highest_y)},
-      map.cell_size_mm);
+  const auto cell = [](std::int64_t tile) { return static_cast<std::int32_t>(tile * Tile::kSize); };
+  return MapWindow{
+      {cell(window.lowest_x), cell(window.lowest_y)},
+      {cell(window.highest_x + 1) - 1, cell(window.highest_y + 1) - 1},
+  };
+}
+
+Result<HeightGrid> heights_in(const MapSnapshot& map, const MapWindow& window,
+                              std::uint8_t min_probability) {
+  auto grid = empty_grid(window.lowest, window.highest, map.cell_size_mm);
   if (!grid) return grid.error();
   for (const auto& [key, tile] : map.tiles) {
     if (key.level == 0) draw_tile(*grid, key, tile->unpack(), min_probability);
   }
-  return make_drivable(std::move(*grid), config);
+  return grid;
+}
+
+Result<DrivableGrid> drivable_grid(const MapSnapshot& map,
+                                   const std::vector<Eigen::Vector2d>& points_m,
+                                   const PlannerConfig& config, std::uint8_t min_probability) {
+  const auto window = window_around(map, points_m);
+  if (!window) return window.error();
+  auto heights = heights_in(map, *window, min_probability);
+  if (!heights) return heights.error();
+  return make_drivable(std::move(*heights), config);
 }
 
 std::vector<Eigen::Vector2d> rest_of(const std::vector<Eigen::Vector2d>& path_m,

@@ -9,8 +9,25 @@
 
 namespace cairn::server {
 
-/// The drivable grid of a snapshot: all known cells, and the two points with some room around them.
-/// exhausted when that is more than a planner's window may hold.
+/// Cells from the lowest to the highest, both included.
+struct MapWindow {
+  CellIndex lowest;
+  CellIndex highest;
+  friend bool operator==(const MapWindow&, const MapWindow&) = default;
+};
+
+/// All tiles of a snapshot, and those around the points with some room. Whole tiles, so that it
+/// stays the same while a robot drives along the map's edge.
+/// unavailable when there is neither a tile nor a point.
+[[nodiscard]] Result<MapWindow> window_around(const MapSnapshot& map,
+                                              const std::vector<Eigen::Vector2d>& points_m);
+
+/// The heights of a snapshot's cells in the window. exhausted when that is more than a planner's
+/// window may hold.
+[[nodiscard]] Result<HeightGrid> heights_in(const MapSnapshot& map, const MapWindow& window,
+                                            std::uint8_t min_probability);
+
+/// The drivable grid of a snapshot: window_around the points. Errors as above.
 [[nodiscard]] Result<DrivableGrid> drivable_grid(const MapSnapshot& map,
                                                  const std::vector<Eigen::Vector2d>& points_m,
                                                  const PlannerConfig& config,

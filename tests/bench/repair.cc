@@ -62,7 +62,7 @@ void measure(Report& report, const std::string& world) {
   HeightGrid heights = planning_world(world, kSize, 2024);
   const PlannerConfig config = vehicle(world);
   const CellIndex goal = goal_in(heights, config);
-  auto keeper = FieldKeeper::create(std::move(heights), config, goal);
+  auto keeper = FieldKeeper::create(make_drivable(std::move(heights), config), config, goal);
   std::mt19937 random(7);
   std::vector<double> repairs_ms;
   for (int i = 0; i < kChanges; ++i) {

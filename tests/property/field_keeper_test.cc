@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "core/planner/plan.h"
 #include "tests/support/plain_field.h"
 
 namespace cairn {
@@ -76,9 +77,28 @@ void expect_like_new(const FieldKeeper& keeper, const PlannerConfig& config) {
   const auto costs = test::costs(keeper.grid(), keeper.field());
   if (field) {
     ASSERT_EQ(costs, test::costs(grid, *field));
+    ASSERT_EQ(keeper.field().levelled, field->levelled);
   } else {
     ASSERT_EQ(costs, std::vector<std::uint32_t>(costs.size(), kNoWay));
   }
+}
+
+void expect_same_path(const FieldKeeper& keeper, const PlannerConfig& config,
+                      std::mt19937& random) {
+  const HeightGrid& heights = keeper.grid().heights;
+  const CellIndex start{heights.origin.x + below(random, heights.width),
+                        heights.origin.y + below(random, heights.height)};
+  const auto middle_m = [](CellIndex cell) {
+    return Eigen::Vector2d((cell.x + 0.5) * 0.125, (cell.y + 0.5) * 0.125);
+  };
+  const PlanRequest request{middle_m(start), middle_m(keeper.field().goal), below(random, 2) == 0,
+                            0.06};
+  const Path kept = plan(keeper.grid(), keeper.field(), request, config);
+  const Path anew = plan(make_drivable(heights, config), request, config);
+  ASSERT_EQ(kept.status, anew.status);
+  ASSERT_EQ(kept.why, anew.why);
+  ASSERT_EQ(kept.points_m, anew.points_m);
+  ASSERT_EQ(kept.cost_m, anew.cost_m);
 }
 
 void follow_changes(unsigned first_seed, unsigned last_seed, int most, int steps) {
@@ -90,13 +110,14 @@ void follow_changes(unsigned first_seed, unsigned last_seed, int most, int steps
     HeightGrid heights = random_grid(random, most);
     const CellIndex goal{heights.origin.x + below(random, heights.width),
                          heights.origin.y + below(random, heights.height)};
-    auto keeper = FieldKeeper::create(std::move(heights), config, goal);
+    auto keeper = FieldKeeper::create(make_drivable(std::move(heights), config), config, goal);
     if (!keeper) continue;
     ++kept;
     for (int step = 0; step < steps; ++step) {
       SCOPED_TRACE("step " + std::to_string(step));
       keeper->change(random_changes(keeper->grid().heights, random));
       expect_like_new(*keeper, config);
+      if (!testing::Test::HasFatalFailure()) expect_same_path(*keeper, config, random);
       if (testing::Test::HasFatalFailure()) return;
     }
   }

@@ -43,11 +43,17 @@ TEST(DrivableGridOfASnapshot, CoversExactlyItsTilesWhenThePointsLieWithin) {
   EXPECT_EQ(heights.height, 128);
 }
 
-TEST(DrivableGridOfASnapshot, LeavesThreeMetresOfRoomAroundAPointOutside) {
-  const HeightGrid& heights = grid_of(one_tile(), {{20.0, -5.0}}).heights;
-  EXPECT_EQ(heights.origin, (CellIndex{0, -40 - 24}));
-  EXPECT_TRUE(heights.contains({160 + 24, 63}));
-  EXPECT_FALSE(heights.contains({160 + 25, 63}));
+TEST(DrivableGridOfASnapshot, HasTheTilesWithinThreeMetresOfAPointOutside) {
+  const HeightGrid heights = grid_of(one_tile(), {{20.0, -4.9}}).heights;
+  EXPECT_EQ(heights.origin, (CellIndex{0, -64}));
+  EXPECT_EQ(heights.width, 192);
+  EXPECT_EQ(heights.height, 128);
+  EXPECT_EQ(grid_of(one_tile(), {{20.0, -5.1}}).heights.origin, (CellIndex{0, -128}));
+}
+
+TEST(DrivableGridOfASnapshot, StaysTheSameWhileARobotDrivesAlongTheEdge) {
+  const CellIndex origin = grid_of(one_tile(), {{1.0, 1.0}}).heights.origin;
+  EXPECT_EQ(grid_of(one_tile(), {{2.5, 2.5}}).heights.origin, origin);
 }
 
 TEST(DrivableGridOfASnapshot, TellsAnEmptyMapWithoutPointsToBeEmpty) {
