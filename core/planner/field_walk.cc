@@ -1,5 +1,7 @@
 #include "core/planner/field_walk.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <queue>
 #include <tuple>
@@ -50,61 +52,73 @@ class Walk {
            std::abs(std::floor(p.y()) - field_.goal.y) <= 1;
   }
 
+  /// What may be stepped to from a cell. [Limit: as many as the ring has places]
+  class Steps {
+   public:
+    void add(const Step& step) { steps_[static_cast<std::size_t>(size_++)] = step; }
+    [[nodiscard]] bool empty() const { return size_ == 0; }
+    [[nodiscard]] Step take_best() {
+      const auto best =
+          std::min_element(steps_.begin(), steps_.begin() + size_,
+                           [](const Step& a, const Step& b) { return a.cost < b.cost; });
+      std::swap(*best, steps_[static_cast<std::size_t>(--size_)]);
+      return steps_[static_cast<std::size_t>(size_)];
+    }
+
+   private:
+    std::array<Step, 8 * kFractions> steps_;
+    std::ptrdiff_t size_ = 0;
+  };
+
   /// The best step from `place` to the ring of middles around its cell that can be driven.
   [[nodiscard]] Step best_step(const Eigen::Vector2d& place) const {
-    std::vector<Step> steps = steps_to_ring(place);
-    const auto dearer = [](const Step& a, const Step& b) { return a.cost > b.cost; };
-    std::make_heap(steps.begin(), steps.end(), dearer);
+    Steps steps = steps_to_ring(place);
     while (!steps.empty()) {
-      if (lines_.between((place + origin_) * cell_m_, (steps.front().to + origin_) * cell_m_)) {
-        return steps.front();
-      }
-      std::pop_heap(steps.begin(), steps.end(), dearer);
-      steps.pop_back();
+      const Step best = steps.take_best();
+      if (lines_.between((place + origin_) * cell_m_, (best.to + origin_) * cell_m_)) return best;
     }
     return {};
   }
 
-  [[nodiscard]] std::vector<Step> steps_to_ring(const Eigen::Vector2d& place) const {
+  [[nodiscard]] Steps steps_to_ring(const Eigen::Vector2d& place) const {
     const auto x = static_cast<int>(std::floor(place.x()));
     const auto y = static_cast<int>(std::floor(place.y()));
-    const std::size_t cell = grid_.ground.at(x, y);
-    const double price = grid_.ground.price[cell] & PricedGround::kPriceMask;
+    const double price = grid_.ground.price[grid_.ground.at(x, y)] & PricedGround::kPriceMask;
     const double lift = lines_.lift_at(place);
-    std::vector<Step> steps;
-    const auto offer = [&](int d, int other, double fraction) {
-      const Spot spot = between(x, y, d, other, fraction);
-      if (!(spot.levelled < Field::kUnreached)) return;
-      const double cost = price * (spot.place - place).norm() + std::abs(spot.lift - lift);
-      steps.push_back({cost + spot.levelled, spot.levelled, spot.place});
-    };
-    for (int d = 0; d < 8; ++d) {
-      offer(d, d, 0.0);
-      const int other = (d + 1) & 7;
-      for (int i = 1; i < kFractions; ++i) offer(d, other, double{1.0} * i / kFractions);
+    const std::array<Spot, 8> ring = ring_around(x, y);
+    Steps steps;
+    for (std::size_t d = 0; d < 8; ++d) {
+      const Spot& spot = ring[d];
+      const Spot& other = ring[(d + 1) & 7];
+      const bool both = std::max(spot.levelled, other.levelled) < Field::kUnreached;
+      if (!(spot.levelled < Field::kUnreached)) continue;
+      for (int i = 0; i < (both ? kFractions : 1); ++i) {
+        const double fraction = static_cast<double>(i) / kFractions;
+        const Eigen::Vector2d to = spot.place + fraction * (other.place - spot.place);
+        const double left = spot.levelled + fraction * (other.levelled - spot.levelled);
+        const double risen = spot.lift + fraction * (other.lift - spot.lift) - lift;
+        steps.add({price * (to - place).norm() + std::abs(risen) + left, left, to});
+      }
     }
     return steps;
   }
 
+  /// A cell's middle.
   struct Spot {
     Eigen::Vector2d place;
     double levelled;
     double lift;
   };
 
-  /// A fraction of the way from one neighbour's middle to another's.
-  [[nodiscard]] Spot between(int x, int y, int d, int other, double fraction) const {
-    const auto at = [&](int k) { return grid_.ground.at(x + kStepX[k], y + kStepY[k]); };
-    const auto middle = [&](int k) {
-      return Eigen::Vector2d(x + kStepX[k] + 0.5, y + kStepY[k] + 0.5);
-    };
-    const double a = field_.levelled[at(d)];
-    const double b = field_.levelled[at(other)];
-    const bool reached = std::max(a, b) < Field::kUnreached;
-    return {middle(d) + fraction * (middle(other) - middle(d)),
-            reached ? a + fraction * (b - a) : HUGE_VAL,
-            grid_.ground.lift[at(d)] +
-                fraction * (grid_.ground.lift[at(other)] - grid_.ground.lift[at(d)])};
+  [[nodiscard]] std::array<Spot, 8> ring_around(int x, int y) const {
+    std::array<Spot, 8> ring;
+    for (std::size_t d = 0; d < 8; ++d) {
+      const std::size_t at = grid_.ground.at(x + kStepX[d], y + kStepY[d]);
+      ring[d] = {{x + kStepX[d] + 0.5, y + kStepY[d] + 0.5},
+                 static_cast<double>(field_.levelled[at]),
+                 static_cast<double>(grid_.ground.lift[at])};
+    }
+    return ring;
   }
 
   const DrivableGrid& grid_;
