@@ -4,7 +4,6 @@
 #include <map>
 #include <utility>
 
-#include "core/planner/tile_wave.h"
 #include "core/planner/wave.h"
 
 namespace cairn {
@@ -171,9 +170,7 @@ std::size_t FieldKeeper::memory_bytes() const {
 
 void FieldKeeper::start_anew() {
   field_ = unreached_field(grid_, field_.goal);
-  if (why_closed(grid_, field_.goal).empty()) {
-    TileWave(grid_, field_, *usable_field_kernels().front()).radiate();
-  }
+  if (why_closed(grid_, field_.goal).empty()) radiate(grid_, field_);
 }
 
 }  // namespace cairn

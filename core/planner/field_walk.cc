@@ -74,7 +74,7 @@ class Walk {
   [[nodiscard]] Step best_step(const Eigen::Vector2d& place) const {
     Steps steps = steps_to_ring(place);
     while (!steps.empty()) {
-      const Step best = steps.take_best();
+      Step best = steps.take_best();
       if (lines_.between((place + origin_) * cell_m_, (best.to + origin_) * cell_m_)) return best;
     }
     return {};

@@ -99,4 +99,9 @@ class Wave {
   std::uint8_t* doubted_ = nullptr;  ///< Cells that wait with a doubt in their own cost.
 };
 
+/// Brings an unreached field to where every cell costs what its neighbours say: tile by tile, or
+/// cell by cell on ground where many cells have rules of their own, whichever is quicker there.
+/// Requires: the goal is open.
+void radiate(const DrivableGrid& grid, Field& field);
+
 }  // namespace cairn
