@@ -23,8 +23,11 @@ HeightGrid random_grid(std::mt19937& random, int most) {
   const CellIndex high{low.x + below(random, most), low.y + below(random, most)};
   HeightGrid grid = empty_grid(low, high, 125).value();
   const bool flat = below(random, 3) == 0;
+  // Often nobody has seen the east: how high it may lie is told from the last cells before it.
+  const int seen = below(random, 3) == 0 ? below(random, grid.width) : grid.width;
   for (std::size_t i = 0; i < grid.height_mm.size(); ++i) {
-    grid.probability[i] = below(random, 15) == 0 ? 0 : 200;
+    const bool unseen = static_cast<int>(i) % grid.width >= seen;
+    grid.probability[i] = unseen || below(random, 15) == 0 ? 0 : 200;
     grid.height_mm[i] = flat ? 0 : random_height(random);
   }
   return grid;
