@@ -1,7 +1,6 @@
 // A frame that can be read is written again as the same records.
 
 #include "proto/codec/frame.h"
-
 #include "tests/fuzz/input.h"
 
 using namespace cairn;

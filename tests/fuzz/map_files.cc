@@ -1,7 +1,5 @@
 // Map files of other programs, each kind by its reader.
 
-#include "client/map_files/map_file.h"
-
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -10,6 +8,7 @@
 #include "client/map_files/esri_ascii.h"
 #include "client/map_files/grey_picture.h"
 #include "client/map_files/height_tiff.h"
+#include "client/map_files/map_file.h"
 #include "client/map_files/movingai_map.h"
 #include "client/map_files/ros_map.h"
 #include "tests/fuzz/input.h"

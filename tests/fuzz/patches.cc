@@ -2,7 +2,6 @@
 // fuzzer's own limits.
 
 #include "proto/codec/patch.h"
-
 #include "proto/sync/patch_receiver.h"
 #include "tests/fuzz/input.h"
 

@@ -1,5 +1,5 @@
-// A spooled submap, as it is and with its checksum mended so that the rest is looked at; what can be
-// read is taken up.
+// A spooled submap, as it is and with its checksum mended so that the rest is looked at; what can
+// be read is taken up.
 
 #include "robot_agent/spool/kept_file.h"
 #include "tests/fuzz/input.h"
