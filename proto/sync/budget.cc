@@ -170,7 +170,10 @@ void Budget::shrink(const Mark& newest, MonotonicTime now) {
   busy_.clear();
 }
 
-void Budget::on_fate(std::size_t acknowledged, std::size_t lost) {
+void Budget::on_fate(std::size_t acknowledged, std::size_t lost, std::size_t found_again) {
+  for (std::size_t i = 0; i < found_again; ++i) {
+    loss_ = std::max(0.0, (loss_ - kLossMemory) / (1.0 - kLossMemory));
+  }
   for (std::size_t i = 0; i < acknowledged; ++i) loss_ -= loss_ * kLossMemory;
   for (std::size_t i = 0; i < lost; ++i) loss_ += (1.0 - loss_) * kLossMemory;
 }

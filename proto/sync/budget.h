@@ -76,8 +76,9 @@ class Budget {
   };
   /// An acknowledgement: how long after the newest frame it names was sent, and which that was.
   void on_round_trip(Duration round_trip, const Mark& frame, MonotonicTime now);
-  /// What became of frames.
-  void on_fate(std::size_t acknowledged, std::size_t lost);
+  /// What became of frames. `found_again` of those acknowledged had been judged lost before: what
+  /// is repeated early, because somebody waits for it, is mostly not lost.
+  void on_fate(std::size_t acknowledged, std::size_t lost, std::size_t found_again = 0);
   /// Frames timed out one after the other and nothing was acknowledged: the link may be away.
   void on_silence();
 

@@ -131,7 +131,7 @@ void ServerLink::count(const Frame& frame, std::size_t bytes) {
 void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
   const Flight::News news = flight_.on_ack(ack, now);
   if (news.round_trip) budget_.on_round_trip(*news.round_trip, news.newest, now);
-  budget_.on_fate(news.acked.size(), news.lost.size());
+  budget_.on_fate(news.acked.size(), news.lost.size(), news.found_again);
   counters_.frames_lost -= news.found_again;
   for (const std::uint32_t number : news.acked) {
     orders_.on_acked(number);

@@ -227,5 +227,17 @@ TEST(Budget, RefusesANonsensicalConfiguration) {
   EXPECT_FALSE(validate({.floor_bit_s = 9'000.0, .ceiling_bit_s = 8'000.0}));
 }
 
+TEST(Budget, WhatWasRepeatedEarlyAndThenFoundIsNoLoss) {
+  Budget budget{BudgetConfig{}};
+  for (int i = 0; i < 20; ++i) {
+    budget.on_fate(0, 1);
+    EXPECT_GT(budget.loss(), 0.0);
+    budget.on_fate(1, 0, 1);
+  }
+  EXPECT_LT(budget.loss(), 0.01);
+  for (int i = 0; i < 20; ++i) budget.on_fate(1, 1);
+  EXPECT_GT(budget.loss(), 0.1);
+}
+
 }  // namespace
 }  // namespace cairn::proto
