@@ -86,7 +86,6 @@ struct Normal {
   double squares = 0.0;  ///< Weighted (residual / σ)².
   double weights_mm = 0.0;
   double squares_mm = 0.0;
-  double incline_mm2 = 0.0;
 };
 
 class NormalEquations {
@@ -126,7 +125,7 @@ class NormalEquations {
     if (height_range_mm < config_.edge_relief_mm) flatten(around, surface);
     const Eigen::Vector4d J(surface.per_x, surface.per_y, -1000.0,
                             surface.per_y * x - surface.per_x * y);
-    add(J, surface.height_mm - height_mm, share * height_range_mm, cell.incline_mm);
+    add(J, surface.height_mm - height_mm, std::hypot(share * height_range_mm, cell.incline_mm));
   }
 
   [[nodiscard]] const Normal& result() const { return normal_; }
@@ -141,9 +140,8 @@ class NormalEquations {
     surface.per_y = is_slope ? around.per_y / map_.cell_m : 0.0;
   }
 
-  void add(const Eigen::Vector4d& J, double residual_mm, double edge_mm, double incline_mm) {
-    const double variance =
-        config_.flat_sigma_mm * config_.flat_sigma_mm + edge_mm * edge_mm + incline_mm * incline_mm;
+  void add(const Eigen::Vector4d& J, double residual_mm, double spread_mm) {
+    const double variance = config_.flat_sigma_mm * config_.flat_sigma_mm + spread_mm * spread_mm;
     const double squared = residual_mm * residual_mm / variance;
     const double fit = 1.0 / (1.0 + squared / kMostMisfit);
     const double weight = fit * fit / variance;
@@ -156,7 +154,6 @@ class NormalEquations {
     normal_.squares += fit * fit * squared;
     normal_.weights_mm += weight;
     normal_.squares_mm += weight * residual_mm * residual_mm;
-    normal_.incline_mm2 += weight * incline_mm * incline_mm;
   }
 
   const LongTermRelief& map_;
@@ -238,15 +235,12 @@ Wish wish_of(const std::vector<ShortTermCell>& cells, const LongTermRelief& map,
   constexpr double kBlindM = 0.5;
   constexpr double kBlindRad = 0.2;
   const Eigen::Vector4d sigma(kBlindM, kBlindM, kBlindM, kBlindRad);
-  const Normal normal = normal_at(cells, map, place, config);
-  const Evidence evidence = observable_part(normal, config);
+  const Evidence evidence = observable_part(normal_at(cells, map, place, config), config);
   Wish wish;
   wish.covariance =
       (evidence.information + Eigen::Matrix4d(sigma.cwiseAbs2().cwiseInverse().asDiagonal()))
           .inverse();
   wish.step = wish.covariance * evidence.pull;
-  // The incline's error lifts all of a side together.
-  wish.covariance(2, 2) += 1e-6 * normal.incline_mm2 / std::max(normal.weights_mm, 1e-12);
   return wish;
 }
 
@@ -300,7 +294,6 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   result.misfit = normal.misfit / static_cast<double>(normal.overlap);
   result.opinions = static_cast<double>(normal.overlap) / config.cells_per_opinion;
   result.residual_mm = std::sqrt(normal.squares_mm / normal.weights_mm);
-  result.incline_mm = std::sqrt(normal.incline_mm2 / normal.weights_mm);
   result.discord = discord_of(cells, long_term, place, config);
   return result;
 }

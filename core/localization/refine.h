@@ -49,7 +49,6 @@ struct Refinement {
   std::size_t overlap = 0;                                ///< Cells known in both.
   double inliers = 0.0;      ///< [0 … 1] Share of the overlap that agrees within 3 σ.
   double residual_mm = 0.0;  ///< Weighted root mean square of the height differences.
-  double incline_mm = 0.0;   ///< The same of what the incline's error explains of them.
   /// [-] Mean over the overlap of (difference / σ)², each truncated softly at kMostMisfit: near 1
   /// where the maps show the same ground.
   double misfit = 0.0;

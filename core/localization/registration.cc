@@ -320,8 +320,7 @@ class Registering {
   [[nodiscard]] std::string objection(const Registration& answer, const Refinement& match,
                                       const Candidate& start) const {
     if (!answer.comparable) return "too little overlap";
-    const double most_mm = std::hypot(config_.max_residual_mm, match.incline_mm);
-    if (answer.inliers < config_.min_inliers || answer.residual_mm > most_mm ||
+    if (answer.inliers < config_.min_inliers || answer.residual_mm > config_.max_residual_mm ||
         answer.misfit > config_.max_misfit) {
       return "the heights do not agree";
     }

@@ -39,7 +39,7 @@ struct RegistrationConfig {
   double min_overlap = 0.35;      ///< [-] Of the short-term map's cells, known in both.
   int min_overlap_cells = 150;    ///< And so many at least.
   double min_inliers = 0.75;      ///< [-] Of the overlap, agreeing within 3 σ.
-  double max_residual_mm = 60.0;  ///< [mm] Beyond what the incline's error explains.
+  double max_residual_mm = 60.0;  ///< [mm]
   /// [-] See Refinement. What stands there and is not on the map, or no more, misfits a little; a
   /// displaced part of the map is told by discord.
   double max_misfit = 1.2;
