@@ -65,9 +65,10 @@ void ContinuousLocalization::begin_map() {
 }
 
 void ContinuousLocalization::take_scan(const Scan& scan, const LaserSpec& laser,
-                                       double incline_sigma_rad) {
+                                       const Pose& T_site_robot, double incline_sigma_rad) {
+  if (!is_finite(T_site_robot)) return;
   for (ShortTermMap& map : maps_) {
-    const Pose T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot_);
+    const Pose T_submap_robot = carried(to_transform(map.T_site_submap).inverse(), T_site_robot);
     std::vector<Beam> beams = beams_in_site(scan, laser, T_submap_robot, config_.mapping_range_m);
     shorten(beams, config_.mapping_range_m);
     std::optional<std::int32_t> ground_mm;

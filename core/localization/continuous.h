@@ -59,8 +59,10 @@ class ContinuousLocalization {
 
   /// The robot as dead reckoning has it now, earlier corrections included. Not finite: ignored.
   void move(const Pose& T_site_robot);
-  /// `incline_sigma_rad`: of the robot's roll and pitch at its time.
-  void take_scan(const Scan& scan, const LaserSpec& laser, double incline_sigma_rad);
+  /// A scan, and the robot at its time: where it moved to, with a height and an incline that may be
+  /// better known. `incline_sigma_rad`: of its roll and pitch.
+  void take_scan(const Scan& scan, const LaserSpec& laser, const Pose& T_site_robot,
+                 double incline_sigma_rad);
 
   /// Whether the oldest map is mature: `localize` will register it.
   [[nodiscard]] bool mature() const;

@@ -25,10 +25,12 @@ class InclineTrust {
 
   /// The robot's pose before and after a motion reading, and the reading's time.
   void note(const Pose& before, const Pose& after, MonotonicTime stamp);
+  /// [rad/s] How fast the incline changes.
+  [[nodiscard]] double rate_rad_s() const { return rate_rad_s_.norm(); }
   /// [rad] Of roll and pitch, now.
   [[nodiscard]] double sigma_rad() const;
-  /// [m]
-  [[nodiscard]] double range_m() const { return config_.height_sigma_m / sigma_rad(); }
+  /// [m] For an incline that is known to `sigma_rad`.
+  [[nodiscard]] double range_m(double sigma_rad) const { return config_.height_sigma_m / sigma_rad; }
 
  private:
   InclineTrustConfig config_;

@@ -40,6 +40,7 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       since_correction_(config.dead_reckoning),
       since_submap_(config.dead_reckoning),
       incline_trust_(config.incline),
+      ground_tracking_(config.ground_tracking),
       tracking_(config.tracking),
       writer_(config, boot, evidence),
       replica_(config.cell_size_mm, config.sensor_model, config.kept_bytes),
@@ -52,9 +53,13 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
 
 void Mapper::take_motion(const MotionReading& reading) {
   const Pose before = dead_reckoning_.pose();
+  const double way_before_m = distance_m();
   if (!dead_reckoning_.update(reading)) return;
   const double dt_s = to_seconds(reading.stamp - std::exchange(last_motion_, reading.stamp));
   incline_trust_.note(before, dead_reckoning_.pose(), reading.stamp);
+  ground_tracking_.move(distance_m() - way_before_m,
+                        incline_trust_.rate_rad_s() * std::max(dt_s, 0.0),
+                        incline_trust_.sigma_rad());
   since_correction_.add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
   since_submap_.add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
   submap_turned_rad_ += std::abs(wrap_angle(dead_reckoning_.pose().yaw_rad - before.yaw_rad));
@@ -72,14 +77,14 @@ void Mapper::take_scan(const Scan& scan) {
   const LaserSpec& laser = lasers_[scan.laser];
   if (config_.localize && in_section(laser)) track(scan, laser);
   turn_submaps_over();
-  if (writer_.open() != nullptr) {
-    writer_.take_scan(scan, laser, T_site_robot_, trusted_range_m(laser));
-  }
+  const Stance stance = stand_on_ground(scan, laser);
+  const double range_m = trusted_range_m(laser, stance.incline_sigma_rad);
+  if (writer_.open() != nullptr) writer_.take_scan(scan, laser, stance.T_site_robot, range_m);
   if (!config_.localize) return;
   if (localization() == LocalizationState::lost) {
-    relocalization_.take_scan(scan, laser, trusted_range_m(laser));
+    relocalization_.take_scan(scan, laser, range_m);
   } else {
-    localization_.take_scan(scan, laser, incline_sigma_rad(laser));
+    localization_.take_scan(scan, laser, stance.T_site_robot, stance.incline_sigma_rad);
   }
   localize();
 }
@@ -124,9 +129,24 @@ double Mapper::incline_sigma_rad(const LaserSpec& laser) const {
   return laser.ground_along_beam ? 0.0 : incline_trust_.sigma_rad();
 }
 
-double Mapper::trusted_range_m(const LaserSpec& laser) const {
+double Mapper::trusted_range_m(const LaserSpec& laser, double incline_sigma_rad) const {
   if (laser.ground_along_beam) return config_.mapping_range_m;  // A plane world has no incline.
-  return std::min(config_.mapping_range_m, incline_trust_.range_m());
+  return std::min(config_.mapping_range_m, incline_trust_.range_m(incline_sigma_rad));
+}
+
+Mapper::Stance Mapper::stand_on_ground(const Scan& scan, const LaserSpec& laser) {
+  Stance stance{T_site_robot_, incline_sigma_rad(laser)};
+  const bool placed = config_.localize && localization() != LocalizationState::lost;
+  if (!placed || laser.ground_along_beam) return stance;
+  const auto off = ground_tracking_.lay(scan, laser, T_site_robot_, replica_.old(),
+                                        stance.incline_sigma_rad);
+  if (!off) return stance;
+  T_site_local_.z_m += off->z_m;
+  place_robot();
+  stance = {T_site_robot_, off->incline_sigma_rad};
+  stance.T_site_robot.roll_rad += off->roll_rad;
+  stance.T_site_robot.pitch_rad += off->pitch_rad;
+  return stance;
 }
 
 // ---- Submaps ------------------------------------------------------------------------------------
@@ -237,6 +257,7 @@ SiteLocalization::Surroundings Mapper::surroundings() const {
 
 void Mapper::correct(const Pose& T_site_robot, const Eigen::Matrix4d& covariance) {
   since_correction_.start(turned(covariance, -T_site_local_.yaw_rad));
+  ground_tracking_.restart(std::sqrt(covariance(2, 2)));
   put(T_site_robot);
 }
 

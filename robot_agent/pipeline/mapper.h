@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/localization/ground_tracking.h"
 #include "core/pose/dead_reckoning.h"
 #include "core/pose/incline_trust.h"
 #include "core/sensor/laser.h"
@@ -79,7 +80,13 @@ class Mapper {
 
   void place_robot();
   [[nodiscard]] double incline_sigma_rad(const LaserSpec& laser) const;
-  [[nodiscard]] double trusted_range_m(const LaserSpec& laser) const;
+  [[nodiscard]] double trusted_range_m(const LaserSpec& laser, double incline_sigma_rad) const;
+  /// The robot at a scan's time, as well as the known ground tells; its height for good.
+  struct Stance {
+    Pose T_site_robot;
+    double incline_sigma_rad = 0.0;
+  };
+  Stance stand_on_ground(const Scan& scan, const LaserSpec& laser);
   /// Whether a laser still cuts the world where it did: level, and the robot in one plane.
   [[nodiscard]] bool in_section(const LaserSpec& laser);
   void track(const Scan& scan, const LaserSpec& laser);
@@ -106,6 +113,7 @@ class Mapper {
   Drift since_correction_;
   Drift since_submap_;
   InclineTrust incline_trust_;
+  GroundTracking ground_tracking_;
   Tracking tracking_;
   std::optional<double> section_z_m_;  ///< Height at which the tracked surfaces were met.
   SubmapWriter writer_;

@@ -4,6 +4,7 @@
 
 #include "core/delta/coarseness.h"
 #include "core/localization/continuous.h"
+#include "core/localization/ground_tracking.h"
 #include "core/localization/tracking.h"
 #include "core/map/sensor_model.h"
 #include "core/pose/dead_reckoning.h"
@@ -42,6 +43,7 @@ struct MapperConfig {
   /// parts.
   double search_every_m = 2.0;
   double search_every_rad = 6.0;
+  GroundTrackingConfig ground_tracking;
   TrackingConfig tracking;
   /// A level laser tracks the robot while that is less tilted than this [rad] and stays this near
   /// to one height [m]: then it sees the same section of the world, be it walls or slopes.

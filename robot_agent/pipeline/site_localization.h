@@ -21,8 +21,9 @@ class SiteLocalization {
 
   /// As of ContinuousLocalization: after each reading that moved the robot, each scan.
   void move(const Pose& T_site_robot) { continuous_.move(T_site_robot); }
-  void take_scan(const Scan& scan, const LaserSpec& laser, double incline_sigma_rad) {
-    continuous_.take_scan(scan, laser, incline_sigma_rad);
+  void take_scan(const Scan& scan, const LaserSpec& laser, const Pose& T_site_robot,
+                 double incline_sigma_rad) {
+    continuous_.take_scan(scan, laser, T_site_robot, incline_sigma_rad);
   }
   /// The robot was put elsewhere in the site without moving: what it saw lately moves along.
   void carry(const Pose& T_site_robot);

@@ -25,7 +25,6 @@ namespace cairn::bench {
 namespace {
 
 constexpr int kCellMm = 125;
-constexpr std::uint64_t kFirstSeed = 400;
 constexpr int kGoalsPerRobot = 10;
 constexpr int kBoxes = 6;
 constexpr int kPeople = 4;
@@ -253,10 +252,9 @@ void drive_goals(const std::string& name, std::uint64_t seed, int goals, Totals&
   }
 }
 
-int run(const std::string& world, int goals) {
+int run(const std::string& world, int goals, std::uint64_t first_seed) {
   Totals totals;
-  for (std::uint64_t seed = getenv("SEED") ? std::atoi(getenv("SEED")) : kFirstSeed;
-       totals.goals < goals; ++seed) {
+  for (std::uint64_t seed = first_seed; totals.goals < goals; ++seed) {
     drive_goals(world, seed, std::min(kGoalsPerRobot, goals - totals.goals), totals);
   }
   Report report("gotos");
@@ -280,6 +278,7 @@ int run(const std::string& world, int goals) {
 int main(int argc, char** argv) {
   std::string world = "block";
   int goals = 200;
+  std::uint64_t first_seed = 400;
   bool usable = argc % 2 == 1;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string option = argv[i];
@@ -287,17 +286,19 @@ int main(int argc, char** argv) {
       world = argv[i + 1];
     } else if (option == "--goals") {
       goals = std::atoi(argv[i + 1]);
+    } else if (option == "--seed") {
+      first_seed = std::strtoull(argv[i + 1], nullptr, 10);
     } else {
       usable = false;
     }
   }
   if (!usable || goals < 1 || goals > 100'000) {
-    std::cerr << "usage: " << argv[0] << " [--world NAME] [--goals N], N from 1 to 100,000\n";
+    std::cerr << "usage: " << argv[0] << " [--world NAME] [--goals N] [--seed FIRST], N from 1 to 100,000\n";
     return 2;
   }
   if (const auto made = cairn::agent::make_world(world, 1); !made) {
     std::cerr << made.error().message << '\n';
     return 1;
   }
-  return cairn::bench::run(world, goals);
+  return cairn::bench::run(world, goals, first_seed);
 }

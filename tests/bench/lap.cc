@@ -90,7 +90,8 @@ class Localized {
       localization_.move(corrected_.pose());
       note(robot.truth()->T_site_robot);
     } else if (const auto* scan = std::get_if<Scan>(&reading)) {
-      localization_.take_scan(*scan, robot.lasers()[scan->laser], incline_trust_.sigma_rad());
+      localization_.take_scan(*scan, robot.lasers()[scan->laser], corrected_.pose(),
+                              incline_trust_.sigma_rad());
     }
     correct();
   }

@@ -51,7 +51,7 @@ class Drive {
     localization_.move(believed());
     for (const double pitch_deg : {15.0, 30.0, 50.0}) {
       const LaserSpec laser = down_looking(pitch_deg);
-      localization_.take_scan(look(laser, truth_), laser, 0.0);
+      localization_.take_scan(look(laser, truth_), laser, believed(), 0.0);
     }
     const auto answer = localization_.localize(long_term, test::sigmas(sigma_m_, radians(3.0)));
     if (answer && answer->accepted) {
@@ -124,7 +124,7 @@ TEST(ContinuousLocalization, TurningOnTheSpotMaturesAMapToo) {
   for (int i = 0; i < 40; ++i) {
     const Pose robot{0.0, 0.0, 0.0, 0.0, 0.0, wrap_angle(0.05 * i)};
     localization.move(robot);
-    localization.take_scan(look(laser, robot), laser, 0.0);
+    localization.take_scan(look(laser, robot), laser, robot, 0.0);
   }
   EXPECT_TRUE(localization.mature());
 }
@@ -145,11 +145,12 @@ TEST(ContinuousLocalization, OnFeaturelessGroundStaysLocalizedAndInventsNothing)
   int answers = 0;
   for (int i = 0; i < 120; ++i) {
     const Pose truth{0.05 * i - 3.0, 0.3, 0.0, 0.0, 0.0, 0.0};
-    localization.move(
-        {truth.x_m + off.x_m, truth.y_m + off.y_m, corrected_z_m, 0.0, 0.0, off.yaw_rad});
+    const Pose believed{
+        truth.x_m + off.x_m, truth.y_m + off.y_m, corrected_z_m, 0.0, 0.0, off.yaw_rad};
+    localization.move(believed);
     for (const double pitch_deg : {15.0, 30.0, 50.0}) {
       const LaserSpec laser = down_looking(pitch_deg);
-      localization.take_scan(look(laser, truth, test::FlatGround{}), laser, 0.0);
+      localization.take_scan(look(laser, truth, test::FlatGround{}), laser, believed, 0.0);
     }
     const auto answer = localization.localize(map, test::sigmas(0.3, radians(3.0)));
     if (!answer) continue;

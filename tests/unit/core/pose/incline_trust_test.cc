@@ -25,7 +25,7 @@ TEST(InclineTrust, OfARobotThatDoesNotTiltIsThatOfItsInclinometer) {
   InclineTrust trust(config);
   pitch(trust, 0.0, 10);
   EXPECT_DOUBLE_EQ(trust.sigma_rad(), config.incline_sigma_rad);
-  EXPECT_DOUBLE_EQ(trust.range_m(), config.height_sigma_m / config.incline_sigma_rad);
+  EXPECT_DOUBLE_EQ(trust.range_m(trust.sigma_rad()), config.height_sigma_m / config.incline_sigma_rad);
 }
 
 TEST(InclineTrust, FallsWhileTheInclineChangesAndComesBack) {
@@ -34,7 +34,7 @@ TEST(InclineTrust, FallsWhileTheInclineChangesAndComesBack) {
   pitch(trust, kStepRad, 30);
   // For long enough at 0.1 rad/s, the lag is the rate times its time.
   EXPECT_NEAR(trust.sigma_rad(), config.incline_sigma_rad + 0.1 * config.incline_lag_s, 1e-3);
-  EXPECT_LT(trust.range_m(), 2.0);
+  EXPECT_LT(trust.range_m(trust.sigma_rad()), 2.0);
   pitch(trust, 0.0, 30, 30);
   EXPECT_NEAR(trust.sigma_rad(), config.incline_sigma_rad, 1e-3);
 }
