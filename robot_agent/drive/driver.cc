@@ -68,6 +68,8 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
       command_.id) {  // A new path for the same goal goes on with its manoeuvre.
     times_backed_up_ = 0;
     backing_from_m_.reset();
+    escapes_ = 0;
+    escape_.reset();
   }
   command_ = order.command;
   if (to_ms(clock) >= command_.expires_clock_ms) {
@@ -207,6 +209,7 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
     if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
     backing_from_m_.reset();
   }
+  if (const auto command = go_on_escaping(pose, map, view)) return *command;
   std::vector<Eigen::Vector2d> way = follower_->ahead();
   way.insert(way.begin(), place_m);
   const Ahead ahead = view.look_along(way, config_.look_m);
@@ -223,10 +226,52 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
       return {};
     }
   }
+  const auto command = with_room(follower_->steer(pose, speed_limit_m_s(ahead)), pose, view);
+  if (!command) {
+    wait_or_go_around("there is no room to drive on here", config_.stop_short_m, pose, map, clock,
+                      silence);
+    return {};
+  }
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
-  return follower_->steer(pose, speed_limit_m_s(ahead));
+  return *command;
+}
+
+std::optional<DriveCommand> Driver::with_room(const DriveCommand& command, const Pose& pose,
+                                              const LocalView& view) const {
+  for (const double share : {1.0, 0.5, 0.2}) {
+    const DriveCommand slower{share * command.speed_m_s, share * command.turn_rate_rad_s};
+    if (!runs_into(view, config_.footprint, config_.braking, pose, slower)) return slower;
+  }
+  return std::nullopt;
+}
+
+bool Driver::closed_in(const Pose& pose, const OwnMap& map) const {
+  const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
+  const LocalView roomy(map.cells, map.cell_size_mm, map.min_probability, place_m,
+                        config_.limits.radius_m + 1.0, config_.limits);
+  return !roomy.open_at(place_m);
+}
+
+bool Driver::escape(const Pose& pose, const OwnMap& map) {
+  if (escapes_ >= config_.most_escapes || !closed_in(pose, map)) return false;
+  ++escapes_;
+  escape_.emplace(config_.follower, track_, Eigen::Vector2d(pose.x_m, pose.y_m),
+                  config_.backing_speed_m_s);
+  return true;
+}
+
+std::optional<DriveCommand> Driver::go_on_escaping(const Pose& pose, const OwnMap& map,
+                                                   const LocalView& view) {
+  if (!escape_) return std::nullopt;
+  if (closed_in(pose, map)) {
+    const auto back = escape_->step(pose);
+    const auto command = back ? with_room(*back, pose, view) : std::nullopt;
+    if (command) return command;
+  }
+  escape_.reset();
+  return std::nullopt;
 }
 
 double Driver::speed_limit_m_s(const Ahead& ahead) const {
@@ -272,7 +317,7 @@ void Driver::wait_or_go_around(const std::string& why, double clear_m, const Pos
   const Duration patience = blocked_reported_ ? kBlockedRepeat : kBlockedPatience;
   const bool for_long = blocked_since_ != MonotonicTime{} && clock - blocked_since_ >= patience;
   const bool alone = !silence || *silence > config_.alone_after;
-  if (for_long && go_around(clear_m, pose, map, alone)) return;
+  if (for_long && (go_around(clear_m, pose, map, alone) || escape(pose, map))) return;
   block(why, clock);
 }
 

@@ -11,6 +11,8 @@
 #include "proto/codec/records.h"
 #include "proto/sync/robot_link.h"
 #include "robot_agent/drive/detour.h"
+#include "robot_agent/drive/escape.h"
+#include "robot_agent/drive/footprint.h"
 #include "robot_agent/drive/local_view.h"
 #include "robot_agent/drive/path_follower.h"
 #include "robot_agent/drive/track.h"
@@ -20,10 +22,12 @@ namespace cairn::agent {
 struct DriverConfig {
   FollowerConfig follower;
   VehicleLimits limits;
+  Footprint footprint;
+  Braking braking;
   /// [m] Around its middle the robot itself insists on this much less room than the server plans
   /// with, so that noise in a cell at the rim does not stop it.
   double margin_m = 0.1;
-  double arrive_m = 0.06;  ///< [m] Nearer to the end than this is arrived.
+  double arrive_m = 0.04;  ///< [m] Nearer to the end than this is arrived.
   /// [rad] Nearer to the goal's heading than this is arrived, if the goal has one. Below the 3°
   /// that are promised: a robot rolls on a little.
   double arrive_rad = 0.035;
@@ -46,6 +50,8 @@ struct DriverConfig {
   double room_behind_m = 0.5;      ///< [m] Known, open ground that backing up needs.
   /// For one path. A robot that is closed in again and again leaves it to the server.
   int most_detours = 20;
+  /// For one command.
+  int most_escapes = 4;
   /// After so long a silence of the server the robot plans all the way to the goal by itself.
   Duration alone_after = std::chrono::seconds(3);
 };
@@ -54,7 +60,8 @@ struct DriverConfig {
 /// the link is silent for too long (if the command says so: there, or back along its track until
 /// the server is heard again) and when the robot tilts. Where the way is closed for more than a
 /// moment it goes around, on its own map; where it finds no way around it waits for the server's
-/// next path. A robot that is not sure where it is drives slowly; a lost one does not drive, it
+/// next path; closed in, it backs out along its track. Whatever it follows, its footprint gets over
+/// no obstacle of its map. A robot that is not sure where it is drives slowly; a lost one does not drive, it
 /// looks around.
 class Driver {
  public:
@@ -103,6 +110,17 @@ class Driver {
   /// The way is closed `clear_m` ahead: waits a moment, then goes around, or else reports `why`.
   void wait_or_go_around(const std::string& why, double clear_m, const Pose& pose,
                          const OwnMap& map, MonotonicTime clock, std::optional<Duration> silence);
+  /// Whether it could not turn on the spot here.
+  [[nodiscard]] bool closed_in(const Pose& pose, const OwnMap& map) const;
+  /// Closed in, it backs out along the track until there is room; false when it is not, or tried
+  /// that enough.
+  bool escape(const Pose& pose, const OwnMap& map);
+  std::optional<DriveCommand> go_on_escaping(const Pose& pose, const OwnMap& map,
+                                             const LocalView& view);
+  /// The command, or slower, so that nothing gets under the robot; nullopt when even that does.
+  [[nodiscard]] std::optional<DriveCommand> with_room(const DriveCommand& command,
+                                                      const Pose& pose,
+                                                      const LocalView& view) const;
   bool go_around(double clear_m, const Pose& pose, const OwnMap& map, bool alone);
   /// What the robot itself insists on: `margin_m` less room than the server plans with.
   [[nodiscard]] VehicleLimits own_limits() const;
@@ -132,6 +150,8 @@ class Driver {
   std::string localization_why_;
   std::optional<double> last_yaw_rad_;         ///< While looking around.
   double looked_around_rad_ = 0.0;             ///< Since the robot was lost.
+  std::optional<Escape> escape_;               ///< While it backs out.
+  int escapes_ = 0;                            ///< For this command.
   int times_backed_up_ = 0;                    ///< For this command.
   int detours_ = 0;                            ///< From this path.
   std::vector<proto::CommandReport> reports_;  ///< Bounded: emptied at every step.

@@ -44,11 +44,18 @@ class LocalView {
   [[nodiscard]] Ahead look_along(const std::vector<Eigen::Vector2d>& path_m,
                                  double distance_m) const;
 
+  /// Whether the circle of `limits.radius_m` around it is free of obstacles.
+  [[nodiscard]] bool open_at(const Eigen::Vector2d& p_m) const;
+  /// How many obstacle cells lie within `reach_m` of a place along x and y, by their middles, and
+  /// where, relative to it, `counts` says so.
+  template <class Counts>
+  [[nodiscard]] int count_obstacles(const Eigen::Vector2d& place_m, double reach_m,
+                                    const Counts& counts) const;
+
   /// [m] Shorter unseen stretches are gaps between beams; a longer one may hide a drop.
   static constexpr double kGapM = 0.6;
 
  private:
-  [[nodiscard]] bool open_at(const Eigen::Vector2d& p_m) const;
   [[nodiscard]] bool known_at(const Eigen::Vector2d& p_m) const;
   /// Requires: known_at(p_m).
   [[nodiscard]] double height_m(const Eigen::Vector2d& p_m) const;
@@ -57,5 +64,23 @@ class LocalView {
   DrivableGrid grid_;
   double radius_m_;
 };
+
+template <class Counts>
+int LocalView::count_obstacles(const Eigen::Vector2d& place_m, double reach_m,
+                               const Counts& counts) const {
+  const double cell_m = grid_.heights.cell_size_mm / 1000.0;
+  const Eigen::Vector2d reach(reach_m, reach_m);
+  const CellIndex lowest = cell_at(place_m - reach);
+  const CellIndex highest = cell_at(place_m + reach);
+  int count = 0;
+  for (std::int32_t y = lowest.y; y <= highest.y; ++y) {
+    for (std::int32_t x = lowest.x; x <= highest.x; ++x) {
+      if (!grid_.heights.contains({x, y})) continue;
+      if (grid_.classes[grid_.heights.at({x, y})] != CellClass::obstacle) continue;
+      if (counts(Eigen::Vector2d((x + 0.5) * cell_m, (y + 0.5) * cell_m) - place_m)) ++count;
+    }
+  }
+  return count;
+}
 
 }  // namespace cairn::agent
