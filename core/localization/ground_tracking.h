@@ -26,8 +26,10 @@ struct GroundTrackingConfig {
   double most_hits = 12.0;
   /// [m] Lever by which a robot that tips over a step lifts its middle unseen.
   double tip_lever_m = 0.15;
-  /// [m] The height is never believed better than this.
+  /// [m] The height is never believed better than this, nor worse than that: off by more it is a
+  /// registration's work.
   double least_sigma_m = 0.005;
+  double most_sigma_m = 0.15;
 };
 
 /// What is wrong with the height and the incline of a robot's pose.
@@ -44,16 +46,18 @@ struct Unevenness {
 /// where a registration of a whole short-term map (T4.3.3) comes some metres later.
 class GroundTracking {
  public:
-  explicit GroundTracking(const GroundTrackingConfig& config) : config_(config) {}
+  explicit GroundTracking(const GroundTrackingConfig& config)
+      : config_(config), z_sigma_m_(config.least_sigma_m) {}
 
   /// The robot went on; roll and pitch are known to `incline_sigma_rad` [rad] and change by
   /// `tip_rad` [rad].
   void move(double way_m, double tip_rad, double incline_sigma_rad);
   /// The pose's height is this good from now on [m].
-  void restart(double sigma_m) { z_sigma_m_ = sigma_m; }
+  void restart(double sigma_m);
 
   /// Lays a sweep on the map. nullopt when the map does not know the ground there, or too much
-  /// disagrees. What is returned is expected to be applied: z for good, roll and pitch to the sweep.
+  /// disagrees. What is returned is expected to be applied: z for good, roll and pitch to the
+  /// sweep.
   [[nodiscard]] std::optional<Unevenness> lay(const Scan& scan, const LaserSpec& laser,
                                               const Pose& T_site_robot, const HeightMap& map,
                                               double incline_sigma_rad);
@@ -62,7 +66,7 @@ class GroundTracking {
 
  private:
   GroundTrackingConfig config_;
-  double z_sigma_m_ = 0.0;
+  double z_sigma_m_;
 };
 
 }  // namespace cairn

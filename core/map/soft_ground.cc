@@ -51,7 +51,6 @@ int half_wheel_base(const HeightGrid& grid, const SoftLimits& soft) {
 void assess(const HeightGrid& grid, const VehicleLimits& limits, const SoftLimits& soft,
             SoftGround& ground, const SoftKernels& kernels) {
   const std::size_t cells = grid.height_mm.size();
-  ground.classes.resize(cells);
   ground.obstacle.resize(cells);
   ground.roughness_mm.resize(cells);
   ground.slope_percent.resize(cells);
@@ -66,7 +65,7 @@ void assess(const HeightGrid& grid, const VehicleLimits& limits, const SoftLimit
          window.row(y + reach), grid.probability.data() + at, grid.width, reach,
          std::max({limits.climb_mm, limits.descend_mm, 0}), static_cast<float>(soft.sigma_mm),
          static_cast<std::int32_t>(std::lround(409600.0 / (2.0 * reach * grid.cell_size_mm))),
-         ground.classes.data() + at, ground.obstacle.data() + at, ground.roughness_mm.data() + at,
+         ground.obstacle.data() + at, ground.roughness_mm.data() + at,
          ground.slope_percent.data() + at});
   }
 }

@@ -18,7 +18,6 @@ struct SoftLimits {
 
 /// How good the ground is, cell by cell, row by row as the heights. Unknown cells have 0.
 struct SoftGround {
-  std::vector<CellClass> classes;  ///< As of classify().
   /// [1/255] That the vehicle cannot get over the cell's highest step down to a neighbour: the step
   /// is compared with the limit in the light of both cells' uncertainty, and the less sure the map
   /// is of the cell itself the less of an obstacle it is.
@@ -49,7 +48,6 @@ struct SoftRow {
   std::int32_t step_limit_mm;
   float sigma_mm;
   std::int32_t slope_scale;  ///< [1/4096] From mm over 2 · reach cells to percent.
-  CellClass* classes;
   std::uint8_t* obstacle;
   std::uint8_t* roughness_mm;
   std::uint8_t* slope_percent;

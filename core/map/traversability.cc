@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/map/split_steps.h"
+
 namespace cairn {
 namespace {
 
@@ -104,6 +106,7 @@ std::vector<CellClass> classify(const HeightGrid& grid, const VehicleLimits& lim
     }
     classify_row(grid, y, step_limit_mm, below, own, above, classes.data() + row_start(grid, y));
   }
+  mark_split_steps(grid, static_cast<std::int32_t>(step_limit_mm), classes);
   return classes;
 }
 

@@ -53,8 +53,9 @@ enum class CellClass : std::uint8_t { unknown = 0, free = 1, obstacle = 2 };
 
 /// Converts heights to free / obstacle / unknown (T4.3.1): a known cell that stands above one of
 /// its eight known neighbours by more than the vehicle can both climb and descend is an obstacle;
-/// only the -z difference counts, so a cliff is marked at its top. Steps that the vehicle manages
-/// one way only stay free here: the planner forbids the other way.
+/// only the -z difference counts, so a cliff is marked at its top. So are steps that the grid has
+/// cut in two (see mark_split_steps). Steps that the vehicle manages one way only stay free here:
+/// the planner forbids the other way.
 [[nodiscard]] std::vector<CellClass> classify(const HeightGrid& grid, const VehicleLimits& limits);
 
 }  // namespace cairn

@@ -26,6 +26,8 @@ constexpr int kMaxBackups = 6;
 constexpr double kTurnsToLookAround = 3.0;
 /// [m] A path that begins further away was made for somewhere else.
 constexpr double kMaxOffPathM = 1.5;
+/// [m] Further than it drives before it stands.
+constexpr double kRoomM = 1.5;
 /// While it turns at the end of its path it may be this many times as far off as when it came.
 constexpr double kDriftAtEnd = 3.0;
 
@@ -209,7 +211,7 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
     if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
     backing_from_m_.reset();
   }
-  if (const auto command = go_on_escaping(pose, map, view)) return *command;
+  if (const auto command = go_on_escaping(pose, map)) return *command;
   std::vector<Eigen::Vector2d> way = follower_->ahead();
   way.insert(way.begin(), place_m);
   const Ahead ahead = view.look_along(way, config_.look_m);
@@ -226,7 +228,7 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
       return {};
     }
   }
-  const auto command = with_room(follower_->steer(pose, speed_limit_m_s(ahead)), pose, view);
+  const auto command = with_room(follower_->steer(pose, speed_limit_m_s(ahead)), pose, map);
   if (!command) {
     wait_or_go_around("there is no room to drive on here", config_.stop_short_m, pose, map, clock,
                       silence);
@@ -239,35 +241,38 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
 }
 
 std::optional<DriveCommand> Driver::with_room(const DriveCommand& command, const Pose& pose,
-                                              const LocalView& view) const {
+                                              const OwnMap& map) const {
+  const LocalView room = room_around(pose, map);
   for (const double share : {1.0, 0.5, 0.2}) {
     const DriveCommand slower{share * command.speed_m_s, share * command.turn_rate_rad_s};
-    if (!runs_into(view, config_.footprint, config_.braking, pose, slower)) return slower;
+    if (!runs_into(room, config_.footprint, config_.braking, pose, slower)) return slower;
   }
   return std::nullopt;
 }
 
-bool Driver::closed_in(const Pose& pose, const OwnMap& map) const {
-  const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
-  const LocalView roomy(map.cells, map.cell_size_mm, map.min_probability, place_m,
-                        config_.limits.radius_m + 1.0, config_.limits);
-  return !roomy.open_at(place_m);
+LocalView Driver::room_around(const Pose& pose, const OwnMap& map) const {
+  return {map.cells,
+          map.cell_size_mm,
+          map.min_probability,
+          {pose.x_m, pose.y_m},
+          config_.limits.radius_m + kRoomM,
+          config_.limits};
 }
 
 bool Driver::escape(const Pose& pose, const OwnMap& map) {
-  if (escapes_ >= config_.most_escapes || !closed_in(pose, map)) return false;
+  if (escapes_ >= config_.most_escapes || room_around(pose, map).open_at({pose.x_m, pose.y_m}))
+    return false;
   ++escapes_;
   escape_.emplace(config_.follower, track_, Eigen::Vector2d(pose.x_m, pose.y_m),
                   config_.backing_speed_m_s);
   return true;
 }
 
-std::optional<DriveCommand> Driver::go_on_escaping(const Pose& pose, const OwnMap& map,
-                                                   const LocalView& view) {
+std::optional<DriveCommand> Driver::go_on_escaping(const Pose& pose, const OwnMap& map) {
   if (!escape_) return std::nullopt;
-  if (closed_in(pose, map)) {
+  if (!room_around(pose, map).open_at({pose.x_m, pose.y_m})) {
     const auto back = escape_->step(pose);
-    const auto command = back ? with_room(*back, pose, view) : std::nullopt;
+    const auto command = back ? with_room(*back, pose, map) : std::nullopt;
     if (command) return command;
   }
   escape_.reset();

@@ -61,8 +61,8 @@ struct DriverConfig {
 /// the server is heard again) and when the robot tilts. Where the way is closed for more than a
 /// moment it goes around, on its own map; where it finds no way around it waits for the server's
 /// next path; closed in, it backs out along its track. Whatever it follows, its footprint gets over
-/// no obstacle of its map. A robot that is not sure where it is drives slowly; a lost one does not drive, it
-/// looks around.
+/// no obstacle of its map. A robot that is not sure where it is drives slowly; a lost one does not
+/// drive, it looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
@@ -110,17 +110,15 @@ class Driver {
   /// The way is closed `clear_m` ahead: waits a moment, then goes around, or else reports `why`.
   void wait_or_go_around(const std::string& why, double clear_m, const Pose& pose,
                          const OwnMap& map, MonotonicTime clock, std::optional<Duration> silence);
-  /// Whether it could not turn on the spot here.
-  [[nodiscard]] bool closed_in(const Pose& pose, const OwnMap& map) const;
+  /// What lies around it, by the limits that the server plans with.
+  [[nodiscard]] LocalView room_around(const Pose& pose, const OwnMap& map) const;
   /// Closed in, it backs out along the track until there is room; false when it is not, or tried
   /// that enough.
   bool escape(const Pose& pose, const OwnMap& map);
-  std::optional<DriveCommand> go_on_escaping(const Pose& pose, const OwnMap& map,
-                                             const LocalView& view);
+  std::optional<DriveCommand> go_on_escaping(const Pose& pose, const OwnMap& map);
   /// The command, or slower, so that nothing gets under the robot; nullopt when even that does.
-  [[nodiscard]] std::optional<DriveCommand> with_room(const DriveCommand& command,
-                                                      const Pose& pose,
-                                                      const LocalView& view) const;
+  [[nodiscard]] std::optional<DriveCommand> with_room(const DriveCommand& command, const Pose& pose,
+                                                      const OwnMap& map) const;
   bool go_around(double clear_m, const Pose& pose, const OwnMap& map, bool alone);
   /// What the robot itself insists on: `margin_m` less room than the server plans with.
   [[nodiscard]] VehicleLimits own_limits() const;

@@ -9,6 +9,7 @@ namespace {
 constexpr double kStepS = 0.1;
 
 int obstacles_under(const LocalView& view, const Footprint& footprint, const Pose& pose) {
+  if (view.open_at({pose.x_m, pose.y_m})) return 0;
   const double reach_m = std::hypot(footprint.half_length_m, footprint.half_width_m);
   const double cos_yaw = std::cos(pose.yaw_rad);
   const double sin_yaw = std::sin(pose.yaw_rad);

@@ -21,8 +21,9 @@ struct Braking {
 };
 
 /// Whether a vehicle that keeps to a command until it has to brake gets over an obstacle that it
-/// does not stand on yet. Around a robot's middle a circle of the planner's radius is free of
-/// obstacles, but not while it leaves a tight place.
+/// does not stand on yet. Where the circle that the planner keeps free around a robot's middle is
+/// free nothing is; that circle holds the vehicle however it turns. `view` has the planner's
+/// limits.
 [[nodiscard]] bool runs_into(const LocalView& view, const Footprint& footprint,
                              const Braking& braking, const Pose& T_site_robot,
                              const DriveCommand& command);

@@ -8,36 +8,13 @@
 
 #include "core/common/angle.h"
 #include "tests/unit/core/localization/test_ground.h"
+#include "tests/unit/core/localization/test_laser.h"
 
 namespace cairn {
 namespace {
 
-constexpr double kSensorHeightM = 0.8;
-
-/// A sweep that looks down at the ground all around: each beam ends where it meets it.
-template <class Ground = test::RichGround>
-Scan look(const LaserSpec& laser, const Pose& truth, const Ground& ground = {}) {
-  const Eigen::Isometry3d T = to_transform(truth) * to_transform(laser.T_robot_sensor);
-  Scan scan;
-  for (int i = 0; i < laser.beam_count; ++i) {
-    const double angle = laser.first_angle_rad + i * laser.step_rad;
-    double range = 0.2;
-    for (; range < laser.max_range_m; range += 0.02) {
-      const Eigen::Vector3d p =
-          T * Eigen::Vector3d(range * std::cos(angle), range * std::sin(angle), 0.0);
-      if (p.z() <= ground(p.x(), p.y())) break;
-    }
-    scan.range_m.push_back(static_cast<float>(range));
-  }
-  return scan;
-}
-
-LaserSpec down_looking(double pitch_deg) {
-  LaserSpec laser;
-  laser.T_robot_sensor = {.z_m = kSensorHeightM, .pitch_rad = radians(pitch_deg)};
-  laser.max_range_m = 8.0;
-  return laser;
-}
+using test::down_looking;
+using test::look;
 
 /// A robot that really drives along x while it believes to be off by `off`.
 class Drive {
@@ -145,8 +122,8 @@ TEST(ContinuousLocalization, OnFeaturelessGroundStaysLocalizedAndInventsNothing)
   int answers = 0;
   for (int i = 0; i < 120; ++i) {
     const Pose truth{0.05 * i - 3.0, 0.3, 0.0, 0.0, 0.0, 0.0};
-    const Pose believed{
-        truth.x_m + off.x_m, truth.y_m + off.y_m, corrected_z_m, 0.0, 0.0, off.yaw_rad};
+    const Pose believed{truth.x_m + off.x_m, truth.y_m + off.y_m, corrected_z_m, 0.0, 0.0,
+                        off.yaw_rad};
     localization.move(believed);
     for (const double pitch_deg : {15.0, 30.0, 50.0}) {
       const LaserSpec laser = down_looking(pitch_deg);

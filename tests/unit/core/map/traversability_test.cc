@@ -72,6 +72,28 @@ TEST(Classify, DoesNotOverflowAtTheEndsOfTheHeights) {
   EXPECT_EQ(picture(drawn.grid, classify(drawn.grid, anything)), (Rows{"#.", ".#"}));
 }
 
+TEST(Classify, SeesAStepThatTheGridHasCutInTwo) {
+  EXPECT_EQ(classes_of({"22100", "22100", "22100"}, kTenCentimetres, 65),
+            (Rows{".##..", ".##..", ".##.."}));
+  EXPECT_EQ(classes_of({"000", "000", "111", "222", "222"}, kTenCentimetres, 65),
+            (Rows{"...", "...", "###", "###", "..."}));
+  EXPECT_EQ(classes_of({"22100"}, kTenCentimetres, 50), (Rows{"....."}));
+}
+
+TEST(Classify, KeepsTheLowerHalfFreeWhereTheEdgeLiesAboveIt) {
+  EXPECT_EQ(classes_of({"5510"}, kTenCentimetres, 25), (Rows{".#.."}));  // 100 mm, then 25.
+}
+
+TEST(Classify, KnowsTheFootAndTheCrestOfARampFromAStep) {
+  EXPECT_EQ(classes_of({"0001234555"}, kTenCentimetres, 60), (Rows{".........."}));
+  EXPECT_EQ(classes_of({"5554321000"}, kTenCentimetres, 60), (Rows{".........."}));
+}
+
+TEST(Classify, LooksForASplitStepOnlyWhereTheGroundIsKnown) {
+  EXPECT_EQ(classes_of({"2?0"}, kTenCentimetres, 65), (Rows{".?."}));
+  EXPECT_EQ(classes_of({"?10"}, kTenCentimetres, 65), (Rows{"?.."}));
+}
+
 TEST(Classify, TakesMapsOfOneRowOrColumn) {
   EXPECT_EQ(classes_of({"9"}, kTenCentimetres), (Rows{"."}));
   EXPECT_EQ(classes_of({"9", "0"}, kTenCentimetres), (Rows{"#", "."}));

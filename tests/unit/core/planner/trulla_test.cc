@@ -115,7 +115,7 @@ TEST(Trulla, ClimbingAndDescendingCostWhatTheyAreWorth) {
   PlannerConfig config = point_robot();
   config.climb_effort = 8;
   config.descend_effort = 2;
-  const DrivableGrid grid = make_drivable(draw({"0001222"}).grid, config);
+  const DrivableGrid grid = make_drivable(draw({"0011122"}).grid, config);
   const double up_m = 6 * 0.125 + 0.2 * 8;
   const double down_m = 6 * 0.125 + 0.2 * 2;
   const Field up = *compute_field(grid, {6, 0});
