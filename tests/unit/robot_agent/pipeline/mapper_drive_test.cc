@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "robot_agent/input/paint.h"
 #include "robot_agent/input/simulator.h"
 #include "robot_agent/pipeline/mapper.h"
 #include "robot_agent/pipeline/submap_frame.h"
@@ -22,7 +23,12 @@ class Drive {
  public:
   Drive(const std::string& world, std::uint64_t seed, const MapperConfig& config,
         const HeightMap* given = nullptr, Pose believed_off = {})
-      : input_(make(world, seed)),
+      : Drive(make(make_world(world, seed).value(), seed), seed, config, given, believed_off) {}
+  Drive(World world, std::uint64_t seed, const MapperConfig& config, const HeightMap* given)
+      : Drive(make(std::move(world), seed), seed, config, given, {}) {}
+  Drive(std::unique_ptr<Input> input, std::uint64_t seed, const MapperConfig& config,
+        const HeightMap* given, Pose believed_off)
+      : input_(std::move(input)),
         mapper_(config, input_->lasers(), compose(input_->truth()->T_site_robot, believed_off),
                 seed, evidence_) {
     if (given == nullptr) return;
@@ -52,11 +58,10 @@ class Drive {
   }
 
  private:
-  static std::unique_ptr<Input> make(const std::string& world, std::uint64_t seed) {
+  static std::unique_ptr<Input> make(World world, std::uint64_t seed) {
     SimulatorConfig config;
-    config.world = world;
     config.seed = seed;
-    auto input = make_simulator(config);
+    auto input = make_simulator(config, std::move(world));
     EXPECT_TRUE(input) << (input ? "" : input.error().message);
     return std::move(*input);
   }
@@ -152,6 +157,57 @@ TEST(MapperDrive, StaysOnAMapThatItWasGiven) {
   EXPECT_LT(drive.error_m(), 0.06);
   EXPECT_GT(drive.mapper().corrections_accepted(), 10U);
   EXPECT_EQ(drive.mapper().localization(), LocalizationState::localized);
+}
+
+/// A yard with platforms that a robot just manages to climb, and the map of its ground.
+World yard() {
+  World world{"yard", HeightRaster(0.05, 401, 321, -2.0, -8.0), {}};
+  put_box(world.surface, {5.0, 0.0, 4.0, 8.0, 0.4}, 0.08);
+  put_box(world.surface, {12.0, 0.0, 3.0, 8.0, -0.5}, 0.09);
+  for (const double y_m : {-7.0, 7.0}) put_box(world.surface, {8.0, y_m, 20.0, 0.5}, 1.0);
+  return world;
+}
+
+HeightMap map_of(const World& world) {
+  HeightMap map(125);
+  for (double y_m = -7.5; y_m < 7.5; y_m += 0.125) {
+    for (double x_m = -1.5; x_m < 17.5; x_m += 0.125) {
+      const double z_m = world.surface.height_m(x_m, y_m);
+      map.set(map.cell_at(x_m, y_m), {static_cast<std::int32_t>(std::lround(1000.0 * z_m)), 240});
+    }
+  }
+  return map;
+}
+
+/// How many cells of even ground it maps as a step, that is off by more than half of one.
+int false_steps(const Mapper& mapper, const HeightMap& truth) {
+  int steps = 0;
+  for (int y = -40; y <= 40; ++y) {
+    for (int x = 0; x <= 120; ++x) {
+      const std::int32_t height_mm = truth.cell({x, y}).height_mm;
+      const auto level = [&](int dx, int dy) {
+        return truth.cell({x + dx, y + dy}).height_mm == height_mm;
+      };
+      const bool even = level(-2, -2) && level(2, 2) && level(-2, 2) && level(2, -2) &&
+                        level(0, 2) && level(0, -2) && level(2, 0) && level(-2, 0);
+      if (even && std::abs(mapper.cell({x, y}).height_mm - height_mm) > 50) ++steps;
+    }
+  }
+  return steps;
+}
+
+TEST(MapperDrive, MapsFarFewerFalseStepsWhereItsMapKnowsTheKerbs) {
+  const World world = yard();
+  const HeightMap map = map_of(world);
+  const Way over_both{{9.0, 1.0}, {15.0, -1.5}};
+  Drive drive(world, 1, {}, &map);
+  drive.along(over_both);
+  EXPECT_NEAR(drive.mapper().pose().z_m, drive.truth().z_m, 0.015);
+  MapperConfig by_instruments;
+  by_instruments.ground_tracking.reach_m = 0.0;
+  Drive alone(world, 1, by_instruments, &map);
+  alone.along(over_both);
+  EXPECT_LT(3 * false_steps(drive.mapper(), map), false_steps(alone.mapper(), map));
 }
 
 TEST(MapperDrive, IsLostAndWritesNothingUntilItHasFoundItselfInTheMap) {
