@@ -78,24 +78,30 @@ struct Hit {
   double above_m = 0.0;
 };
 
+struct Hits {
+  std::vector<Hit> on_ground;
+  std::size_t all = 0;  ///< Above or below known ground.
+};
+
 /// `sigma`: what may be wrong with (z, roll, pitch). What is off by more than that is no ground.
-std::vector<Hit> hits_on_ground(const std::vector<Beam>& beams, const Pose& T_site_robot,
-                                const Ground& ground, const Eigen::Vector3d& sigma,
-                                const GroundTrackingConfig& config) {
+Hits hits_near_ground(const std::vector<Beam>& beams, const Pose& T_site_robot,
+                      const Ground& ground, const Eigen::Vector3d& sigma,
+                      const GroundTrackingConfig& config) {
   const double cos_yaw = std::cos(T_site_robot.yaw_rad);
   const double sin_yaw = std::sin(T_site_robot.yaw_rad);
-  std::vector<Hit> hits;
+  Hits hits;
   for (const Beam& beam : beams) {
     const double dx = beam.end_m.x() - T_site_robot.x_m;
     const double dy = beam.end_m.y() - T_site_robot.y_m;
     if (!beam.hit || dx * dx + dy * dy > config.reach_m * config.reach_m) continue;
     const auto height_m = ground.height_m(beam.end_m.x(), beam.end_m.y());
     if (!height_m) continue;
+    ++hits.all;
     // Positive pitch lowers what is ahead, positive roll lifts what is to the left.
     const Hit hit{{1.0, -dx * sin_yaw + dy * cos_yaw, -(dx * cos_yaw + dy * sin_yaw)},
                   *height_m - beam.end_m.z()};
     const double expected_m = hit.slope.cwiseProduct(sigma).norm() + config.hit_sigma_m;
-    if (std::abs(hit.above_m) < kAgrees * expected_m) hits.push_back(hit);
+    if (std::abs(hit.above_m) < kAgrees * expected_m) hits.on_ground.push_back(hit);
   }
   return hits;
 }
@@ -128,6 +134,12 @@ Fit fit(const std::vector<Hit>& hits, const Eigen::Vector3d& sigma,
   return {error, information.inverse()};
 }
 
+double agreeing(const std::vector<Hit>& hits, const Eigen::Vector3d& error, double within_m) {
+  return static_cast<double>(std::count_if(hits.begin(), hits.end(), [&](const Hit& hit) {
+    return std::abs(hit.above_m - hit.slope.dot(error)) < within_m;
+  }));
+}
+
 }  // namespace
 
 void GroundTracking::move(double way_m, double tip_rad, double incline_sigma_rad) {
@@ -144,14 +156,16 @@ std::optional<Unevenness> GroundTracking::lay(const Scan& scan, const LaserSpec&
                                               const Pose& T_site_robot, const HeightMap& map,
                                               double incline_sigma_rad) {
   const Eigen::Vector3d sigma(z_sigma_m_, incline_sigma_rad, incline_sigma_rad);
-  const std::vector<Hit> hits = hits_on_ground(beams_in_site(scan, laser, T_site_robot, 0.0),
-                                               T_site_robot, Ground(map, config_), sigma, config_);
-  if (hits.size() < static_cast<std::size_t>(config_.min_hits)) return std::nullopt;
+  const auto [hits, all] = hits_near_ground(beams_in_site(scan, laser, T_site_robot, 0.0),
+                                            T_site_robot, Ground(map, config_), sigma, config_);
+  const auto least = static_cast<std::size_t>(config_.min_hits);
+  if (all >= 2 * least) {
+    in_doubt_ = static_cast<double>(hits.size()) < config_.doubt_share * static_cast<double>(all);
+  }
+  if (hits.size() < least) return std::nullopt;
   const auto [error, covariance] = fit(hits, sigma, config_);
-  const auto agreeing = std::count_if(hits.begin(), hits.end(), [&](const Hit& hit) {
-    return std::abs(hit.above_m - hit.slope.dot(error)) < kAgrees * config_.hit_sigma_m;
-  });
-  if (static_cast<double>(agreeing) < config_.min_share * static_cast<double>(hits.size())) {
+  if (agreeing(hits, error, kAgrees * config_.hit_sigma_m) <
+      config_.min_share * static_cast<double>(hits.size())) {
     return std::nullopt;
   }
   restart(std::sqrt(covariance(0, 0)));

@@ -22,6 +22,9 @@ struct GroundTrackingConfig {
   /// there that is not on the map disagrees.
   int min_hits = 12;
   double min_share = 0.6;
+  /// A sweep with less than this share of its hits near known ground, of twice `min_hits` above or
+  /// below it, leaves the incline in doubt: the robot tips, or something stands there.
+  double doubt_share = 0.4;
   /// Neighbouring hits err together: a sweep weighs no more than so many hits that do not.
   double most_hits = 12.0;
   /// [m] Lever by which a robot that tips over a step lifts its middle unseen.
@@ -63,10 +66,13 @@ class GroundTracking {
                                               double incline_sigma_rad);
 
   [[nodiscard]] double z_sigma_m() const { return z_sigma_m_; }
+  /// Whether the last sweep that met known ground met it where it should not be.
+  [[nodiscard]] bool in_doubt() const { return in_doubt_; }
 
  private:
   GroundTrackingConfig config_;
   double z_sigma_m_;
+  bool in_doubt_ = false;
 };
 
 }  // namespace cairn

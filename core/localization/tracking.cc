@@ -50,10 +50,16 @@ TrackedStep Tracking::track(const Scan& scan, const LaserSpec& laser, const Pose
   floored.diagonal() +=
       Eigen::Vector3d(config_.step_floor_m, config_.step_floor_m, config_.step_floor_rad)
           .cwiseAbs2();
-  const Fit found = best_fit(points, start, floored.inverse());
+  const Eigen::Matrix3d information = floored.inverse();
+  const Fit found = best_fit(points, start, information);
   step.agreement = found.agreement;
   step.near_points = found.near_points;
   step.matched = good(found);
+  if (step.matched && !believed(difference(found.place, start), information)) {
+    step.matched = false;
+    step.surprising = true;
+    return step;
+  }
   if (step.matched) {
     step.T_local_robot.x_m = found.place[0];
     step.T_local_robot.y_m = found.place[1];
@@ -67,6 +73,19 @@ TrackedStep Tracking::track(const Scan& scan, const LaserSpec& laser, const Pose
 
 bool Tracking::good(const Fit& fit) const {
   return fit.near_points >= config_.min_points && fit.agreement >= config_.min_agreement;
+}
+
+bool Tracking::believed(const Eigen::Vector3d& off, const Eigen::Matrix3d& information) {
+  const auto sigmas2 = [&](const Eigen::Vector3d& d) { return d.dot(information * d); };
+  const double most2 = config_.surprise * config_.surprise;
+  if (sigmas2(off) <= most2) {
+    surprise_.reset();
+    return true;
+  }
+  const bool confirmed = surprise_ && sigmas2(difference(off, *surprise_)) <= most2;
+  surprise_ = off;
+  if (confirmed) surprise_.reset();
+  return confirmed;
 }
 
 Tracking::Fit Tracking::best_fit(const std::vector<SurfacePoint>& points,

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/localization/tracking_map.h"
@@ -27,6 +28,9 @@ struct TrackingConfig {
   /// A step is never surer than this [m, rad]: where the match tells nothing it stays as it is.
   double step_floor_m = 0.01;
   double step_floor_rad = 0.01;
+  /// [-] Sigmas of the prediction. A step further off is believed only when the next sweep says the
+  /// same: a laser that tips for a moment meets other surfaces.
+  double surprise = 3.0;
   /// [m] Robust weights begin with this scale and end with agree_m.
   double begin_scale_m = 0.4;
   int iterations = 12;
@@ -36,6 +40,7 @@ struct TrackingConfig {
 struct TrackedStep {
   Pose T_local_robot;  ///< As predicted where it is not matched.
   bool matched = false;
+  bool surprising = false;      ///< It matched, but is not believed yet.
   bool kept = false;            ///< The sweep became part of the surfaces.
   double agreement = 0.0;       ///< [0 … 1] Of the points that lie near a surface.
   std::size_t near_points = 0;  ///< Points that lie near a surface.
@@ -59,7 +64,10 @@ class Tracking {
   TrackedStep track(const Scan& scan, const LaserSpec& laser, const Pose& predicted,
                     const Eigen::Matrix3d& covariance);
   /// The surfaces are no longer where the robot is.
-  void forget() { map_.clear(); }
+  void forget() {
+    map_.clear();
+    surprise_.reset();
+  }
 
   /// Sweeps in a row that did not match although there was something to match them with.
   [[nodiscard]] int misses() const { return misses_; }
@@ -71,6 +79,7 @@ class Tracking {
   [[nodiscard]] Fit best_fit(const std::vector<SurfacePoint>& points,
                              const Eigen::Vector3d& predicted,
                              const Eigen::Matrix3d& information) const;
+  [[nodiscard]] bool believed(const Eigen::Vector3d& off, const Eigen::Matrix3d& information);
   void judge(Fit& fit, const std::vector<SurfacePoint>& points) const;
   [[nodiscard]] bool good(const Fit& fit) const;
   bool keep(const std::vector<SurfacePoint>& points, const Eigen::Vector3d& place);
@@ -82,6 +91,7 @@ class Tracking {
   double way_m_ = 0.0;
   double forgotten_m_ = 0.0;
   int misses_ = 0;
+  std::optional<Eigen::Vector3d> surprise_;  ///< By how much the last sweep was off, if by much.
 };
 
 }  // namespace cairn

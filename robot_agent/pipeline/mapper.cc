@@ -101,7 +101,10 @@ bool Mapper::in_section(const LaserSpec& laser) {
     return false;
   }
   const Pose& robot = dead_reckoning_.pose();
-  const bool level = std::hypot(robot.roll_rad, robot.pitch_rad) < config_.section_tilt_rad;
+  const double roll_rad = robot.roll_rad + missed_incline_rad_.x();
+  const double pitch_rad = robot.pitch_rad + missed_incline_rad_.y();
+  const bool level =
+      std::hypot(roll_rad, pitch_rad) < config_.section_tilt_rad && !ground_tracking_.in_doubt();
   if (level && section_z_m_ && std::abs(robot.z_m - *section_z_m_) < config_.section_z_m) {
     return true;
   }
@@ -138,8 +141,10 @@ Mapper::Stance Mapper::stand_on_ground(const Scan& scan, const LaserSpec& laser)
   Stance stance{T_site_robot_, incline_sigma_rad(laser)};
   const bool placed = config_.localize && localization() != LocalizationState::lost;
   if (!placed || laser.ground_along_beam) return stance;
-  const auto off = ground_tracking_.lay(scan, laser, T_site_robot_, replica_.old(),
-                                        stance.incline_sigma_rad);
+  const auto off =
+      ground_tracking_.lay(scan, laser, T_site_robot_, replica_.old(), stance.incline_sigma_rad);
+  missed_incline_rad_ =
+      off ? Eigen::Vector2d(off->roll_rad, off->pitch_rad) : Eigen::Vector2d(0, 0);
   if (!off) return stance;
   T_site_local_.z_m += off->z_m;
   place_robot();

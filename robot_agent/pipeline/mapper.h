@@ -114,6 +114,7 @@ class Mapper {
   Drift since_submap_;
   InclineTrust incline_trust_;
   GroundTracking ground_tracking_;
+  Eigen::Vector2d missed_incline_rad_ = Eigen::Vector2d::Zero();  ///< Of roll and pitch, lately.
   Tracking tracking_;
   std::optional<double> section_z_m_;  ///< Height at which the tracked surfaces were met.
   SubmapWriter writer_;
