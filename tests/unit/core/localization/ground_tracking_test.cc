@@ -103,6 +103,16 @@ TEST_F(GroundTrackingTest, IsLessSureOfItsHeightTheFartherItGoesWithoutKnownGrou
   EXPECT_LE(tracking_.z_sigma_m(), GroundTrackingConfig{}.most_sigma_m);
 }
 
+TEST_F(GroundTrackingTest, IsInDoubtWhileTheRobotTipsUnnoticed) {
+  Pose tipping = truth_;
+  tipping.pitch_rad += 0.2;
+  const Scan scan = look(laser_, tipping, Hills{});
+  EXPECT_FALSE(tracking_.lay(scan, laser_, truth_, map_, 0.004));
+  EXPECT_TRUE(tracking_.in_doubt());
+  ASSERT_TRUE(lay(truth_));
+  EXPECT_FALSE(tracking_.in_doubt());
+}
+
 TEST_F(GroundTrackingTest, IgnoresASweepWithoutHits) {
   Scan scan = look(laser_, truth_, Hills{});
   for (float& range_m : scan.range_m) range_m = std::nanf("");

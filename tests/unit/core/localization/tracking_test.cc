@@ -81,6 +81,33 @@ TEST(Tracking, UndoesWhatThePredictionIsOffBy) {
   EXPECT_NEAR(step.T_local_robot.yaw_rad, 0.3, 0.004);
 }
 
+const Eigen::Matrix3d kSure = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+
+TEST(Tracking, BelievesASurpriseWhenTheNextSweepSaysTheSame) {
+  Room room(0.01);
+  Tracking tracking{{}};
+  (void)tracking.track(room.scan(at(2, 2, 0)), room.laser, at(2, 2, 0), kSure);
+  const TrackedStep first =
+      tracking.track(room.scan(at(2, 2, 0.15)), room.laser, at(2, 2, 0), kSure);
+  EXPECT_FALSE(first.matched);
+  EXPECT_TRUE(first.surprising);
+  EXPECT_FALSE(first.kept);
+  EXPECT_EQ(first.T_local_robot.yaw_rad, 0.0);
+  const TrackedStep second =
+      tracking.track(room.scan(at(2.05, 2, 0.15)), room.laser, at(2.05, 2, 0), kSure);
+  ASSERT_TRUE(second.matched);
+  EXPECT_NEAR(second.T_local_robot.yaw_rad, 0.15, 0.02);  // The prediction pulls.
+}
+
+TEST(Tracking, ForgetsASurpriseThatDoesNotComeBack) {
+  Room room(0.01);
+  Tracking tracking{{}};
+  (void)tracking.track(room.scan(at(2, 2, 0)), room.laser, at(2, 2, 0), kSure);
+  EXPECT_TRUE(tracking.track(room.scan(at(2, 2, 0.15)), room.laser, at(2, 2, 0), kSure).surprising);
+  EXPECT_TRUE(tracking.track(room.scan(at(2, 2, 0)), room.laser, at(2, 2, 0), kSure).matched);
+  EXPECT_TRUE(tracking.track(room.scan(at(2, 2, 0.15)), room.laser, at(2, 2, 0), kSure).surprising);
+}
+
 TEST(Tracking, DoesNotDriftOnAWayThroughTheRoom) {
   Room room(0.01);
   Tracking tracking{{}};
