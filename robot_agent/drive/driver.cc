@@ -228,7 +228,9 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
       return {};
     }
   }
-  const auto command = with_room(follower_->steer(pose, speed_limit_m_s(ahead)), pose, map);
+  const double limit_m_s = speed_limit_m_s(ahead);
+  auto command = with_room(follower_->steer(pose, limit_m_s), pose, map);
+  if (!command) command = with_room(follower_->steer_closely(pose, limit_m_s), pose, map);
   if (!command) {
     wait_or_go_around("there is no room to drive on here", config_.stop_short_m, pose, map, clock,
                       silence);

@@ -27,7 +27,7 @@ struct DriverConfig {
   /// [m] Around its middle the robot itself insists on this much less room than the server plans
   /// with, so that noise in a cell at the rim does not stop it.
   double margin_m = 0.1;
-  double arrive_m = 0.04;  ///< [m] Nearer to the end than this is arrived.
+  double arrive_m = 0.025;  ///< [m] Nearer to the end than this is arrived.
   /// [rad] Nearer to the goal's heading than this is arrived, if the goal has one. Below the 3°
   /// that are promised: a robot rolls on a little.
   double arrive_rad = 0.035;
