@@ -45,6 +45,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
 
   void connected(Robot& robot);
   void reported(Robot& robot, const proto::CommandReport& report);
+  void asked(Robot& robot, const proto::CorridorRequest& request);
   void start();
   void halt();
 
@@ -68,6 +69,8 @@ class Mission : public std::enable_shared_from_this<Mission> {
   static constexpr Duration kLookPause = std::chrono::milliseconds(1500);
   /// Whether there is still something new at a frontier is looked at this often.
   static constexpr Duration kLookPeriod = std::chrono::seconds(1);
+  /// A robot is given more of its field this often at most.
+  static constexpr Duration kCorridorPeriod = std::chrono::seconds(1);
   /// [m/s] Taken for a robot whose speed is not known yet.
   static constexpr double kUsualSpeed = 0.4;
 
@@ -87,6 +90,8 @@ class Mission : public std::enable_shared_from_this<Mission> {
     int times_blocked_here = 0;
     std::uint64_t checked_map = 0;  ///< Snapshot version that the path was last checked on.
     MonotonicTime next_check{};
+    bool corridor_busy = false;  ///< One is being made on another thread.
+    MonotonicTime next_corridor{};
     bool of_task = false;  ///< A leg; its task wants to know how it ended.
     [[nodiscard]] bool active() const {
       return state == "sent" || state == "accepted" || state == "blocked";
@@ -116,6 +121,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
   Result<Robot*> robot_for(const std::optional<std::string>& name);
   /// The same, and it has told its pose.
   Result<Robot*> placed_robot_for(const std::optional<std::string>& name);
+  [[nodiscard]] static PlanTarget target_of(const Robot& robot, const Goal& goal);
   /// Plans on the executor; `keep_m` is the present path, kept when the rest of it is open.
   void plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vector2d> keep_m,
             OnPlanned done);
@@ -127,6 +133,13 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void cancel(Robot& robot, Goal& goal);
   void give_up(Robot& robot, Goal& goal, const std::string& why);
   void tick();
+
+  // The field around a goal's way (mission_corridors.cc).
+  /// Along the goal's path; for a robot that asks, from where it is.
+  void offer_corridor(const Robot& robot, Goal& goal,
+                      const std::optional<proto::CorridorRequest>& request);
+  void corridor_made(const std::string& robot, std::uint64_t command,
+                     std::vector<proto::CorridorPart> parts);
 
   // Tasks (mission_tasks.cc).
   [[nodiscard]] Task new_task(TaskKind kind, const std::string& on_link_loss, double expires_s);

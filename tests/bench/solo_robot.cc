@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/planner/corridor.h"
+
 namespace cairn::bench {
 namespace {
 
@@ -76,9 +78,7 @@ bool SoloRobot::send_path(const Eigen::Vector2d& goal_m, Trip& trip) {
   order.command.expires_clock_ms = std::numeric_limits<std::uint64_t>::max();
   order.command.goal_x_mm = to_mm(goal_m.x());
   order.command.goal_y_mm = to_mm(goal_m.y());
-  for (const Eigen::Vector2d& p : path.points_m) {
-    order.path.push_back({to_mm(p.x()), to_mm(p.y())});
-  }
+  order.path = encode_path(quantise(path.points_m, mapper_.cell_size_mm()).value());
   driver_.take(order, pose, now_);
   return true;
 }
