@@ -116,6 +116,7 @@ Status Agent::exchange(MonotonicTime clock, std::chrono::milliseconds wait) {
   }
   for (const proto::CorridorPart& corridor : link_.take_corridors()) {
     driver_.take(corridor, mapper_.cell_size_mm());
+    ++corridors_;
   }
   take_map();
   if (spool_ != nullptr) {

@@ -126,7 +126,16 @@ void Mission::stop(const api::StopRequest& request, const Reply& reply) {
   goal.expires = Hub::now() + std::chrono::hours(1);
   Planned planned;
   planned.path.status = PathStatus::complete;
-  issue((*found)->id, std::move(goal), planned, reply);
+  // The robot stops at once; the operator is told when no restart can bring the task back.
+  issue((*found)->id, std::move(goal), planned,
+        [self = shared_from_this(), id = (*found)->id, reply](Result<api::CommandReply> sent) {
+          Duty& duty = self->duties_[id];
+          if (!sent || duty.tasks.newest() == nullptr) return reply(std::move(sent));
+          self->keep(self->hub_->robots().at(id), duty, [reply, sent](const Status& written) {
+            if (!written) return reply(written.error());
+            reply(sent);
+          });
+        });
 }
 
 PlanTarget Mission::target_of(const Robot& robot, const Goal& goal) {
@@ -304,7 +313,11 @@ void Mission::tick() {
   for (auto& [id, goal] : goals_) {
     if (Robot* robot = hub_->find(id); robot != nullptr && goal.active()) check(*robot, goal);
   }
-  for (auto& [id, robot] : hub_->robots()) mind(robot, duties_[id]);
+  for (auto& [id, robot] : hub_->robots()) {
+    Duty& duty = duties_[id];
+    mind(robot, duty);
+    keep_what_changed(robot, duty);
+  }
   timer_.expires_after(kTick);
   timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
     if (!error) self->tick();
