@@ -26,7 +26,14 @@ TEST_P(OrdersOverARadio, BringPathAndCorridorAndTheRobotArrives) {
     return status.is_object() ? status["sites"][0].value("known_cells", 0U) : 0U;
   };
   ASSERT_TRUE(eventually([&] { return known_cells() > 500U; }, 60s)) << site.agent().output();
-  ASSERT_EQ(site.cairn({"goto", "3", "2.5", "--on-link-loss", "continue"}).exit_code, 0);
+  Finished sent;
+  ASSERT_TRUE(eventually(
+      [&] {
+        sent = site.cairn({"goto", "3", "2.5", "--on-link-loss", "continue"});
+        return sent.exit_code == 0;
+      },
+      30s))
+      << sent.output;
   EXPECT_TRUE(eventually(
       [&] {
         const json robot = site.robot();
