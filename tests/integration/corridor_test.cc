@@ -29,7 +29,7 @@ TEST_P(OrdersOverARadio, BringPathAndCorridorAndTheRobotArrives) {
   Finished sent;
   ASSERT_TRUE(eventually(
       [&] {
-        sent = site.cairn({"goto", "3", "2.5", "--on-link-loss", "continue"});
+        sent = site.cairn({"goto", "4,2.5", "2,2.5", "--on-link-loss", "continue"});
         return sent.exit_code == 0;
       },
       30s))
