@@ -336,8 +336,9 @@ Status run(const Options& options) {
   Status result = options.replay.empty() ? run_live(agent, spool.get(), options.speed)
                                          : run_replay(agent, spool.get(), **input);
   const auto& counters = agent.link().counters();
-  spdlog::info("link: {} bytes up, {} bytes down, {} frames lost", counters.bytes_sent,
-               counters.bytes_received, counters.frames_lost);
+  spdlog::info("link: {} bytes up, {} bytes down, {} frames lost, {} corridors of the field",
+               counters.bytes_sent, counters.bytes_received, counters.frames_lost,
+               agent.corridors());
   agent.say_goodbye();
   return result;
 }

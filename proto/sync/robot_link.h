@@ -18,6 +18,7 @@
 #include "proto/sync/map_inbox.h"
 #include "proto/sync/order_desk.h"
 #include "proto/sync/report_board.h"
+#include "proto/sync/transit.h"
 
 namespace cairn::proto {
 
@@ -83,6 +84,8 @@ class RobotLink {
   void set_spool(const SpoolReport& spool) { spool_ = spool; }
   /// Newest state of a command's revision; saying the same again changes nothing.
   void report(const CommandReport& report);
+  /// What the robot lacks; replaces what it asked for before.
+  void request(const CorridorRequest& request);
 
   using Order = proto::Order;
   /// What a frame brought. A malformed frame is counted and brings nothing.
@@ -90,6 +93,8 @@ class RobotLink {
   /// What came of the long-term map since this was last asked, in its order. Bounded by the server,
   /// which commits a step only after the one before was acknowledged.
   std::vector<MapUpdate> take_map_updates();
+  /// What came of the corridor of the order that was handed out last.
+  std::vector<CorridorPart> take_corridors() { return orders_.take_corridors(); }
   /// The next frame to send now; nullopt when nothing is due. Call until nullopt.
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
   /// When `next_frame` should be asked again even if nothing arrives.
@@ -131,6 +136,7 @@ class RobotLink {
   [[nodiscard]] MonotonicTime pose_due(MonotonicTime now) const;
   [[nodiscard]] bool pose_is_due(MonotonicTime now) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
+  [[nodiscard]] bool request_waits() const { return request_ && request_->transit.waits(); }
   [[nodiscard]] bool evidence_waits() const;
   [[nodiscard]] bool evidence_may_go(MonotonicTime now) const;
   void open_round_if_due(MonotonicTime now);
@@ -162,6 +168,12 @@ class RobotLink {
   EvidenceSender evidence_;
   ReportBoard reports_;
   OrderDesk orders_;
+  /// Until acknowledged.
+  struct Request {
+    CorridorRequest record;
+    Transit transit = {};
+  };
+  std::optional<Request> request_;
   MapInbox map_;
   std::vector<MapUpdate> map_updates_;
   std::optional<PoseReport> pose_;  ///< Not sent yet.
