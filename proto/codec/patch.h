@@ -48,12 +48,14 @@ struct PatchBytes {
                                                           const ContextImage& image);
 
 /// The same with another state of the mixer than the trained one, which learns on: for training.
+/// Requires: values of the coarseness.
 [[nodiscard]] std::vector<std::uint8_t> write_patch_learning(
     std::span<const BlockUpdate> blocks, const PatchSetting& setting, const Coarseness& coarseness,
     const ContextImage& image, MixerState& state, const Learning& learning);
 
-/// The mixer's state at the beginning of every patch, part of the protocol version.
-[[nodiscard]] const MixerState& trained_priors();
+/// The mixer's state at the beginning of every patch of such values, part of the protocol version:
+/// exact ones have one of their own, which knows whole tiles of finished maps.
+[[nodiscard]] const MixerState& trained_priors(const Coarseness& coarseness);
 /// How it learns within a packet.
 inline constexpr Learning kPacketLearning{};
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "proto/codec/patch.h"
+#include "tests/bench/codec_snapshots.h"
 #include "tests/bench/delta_baselines.h"
 #include "tests/bench/drive_deltas.h"
 #include "tests/bench/report.h"
@@ -213,8 +214,14 @@ void report(cairn::bench::Report& to, const std::string& world, const Measured& 
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
   cairn::bench::Report to("codec");
+  const std::string only = argc > 1 ? argv[1] : "";
+  if (only == "snapshots") {
+    const bool measured = cairn::bench::measure_snapshots(to);
+    to.print(std::cout);
+    return measured ? 0 : 1;
+  }
   std::vector<std::string> absent;
   for (const std::string world : {"block", "hill", "room"}) {
     Measured measured;

@@ -1,25 +1,13 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/common/result.h"
-#include "core/delta/coarseness.h"
 #include "core/map/height_map.h"
 #include "proto/codec/records.h"
+#include "tests/bench/drive_about.h"
 
 namespace cairn::bench {
-
-/// How a drive is mapped and cut into changes.
-struct DriveSetting {
-  std::string world = "block";  ///< block, hill or room.
-  std::uint64_t seed = 1;
-  double duration_s = 300.0;
-  double cadence_s = 1.0;  ///< A delta each.
-  double range_m = 30.0;
-  Coarseness coarseness;
-};
 
 /// What changed in the map within one cadence, ready to be told.
 using Delta = std::vector<proto::BlockUpdate>;
