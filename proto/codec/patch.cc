@@ -142,8 +142,8 @@ PatchBytes write_patch(std::span<const BlockUpdate> blocks, const PatchSetting& 
     const auto chosen = choose(blocks, most_bits);
     if (chosen.size() <= best.taken.size()) break;
     const Coarseness told = all_of_coarseness(blocks, chosen, coarseness) ? coarseness : kExact;
-    auto bytes = write_chosen(blocks, chosen, setting, {told}, image, fresh_state(told),
-                              kPacketLearning);
+    auto bytes =
+        write_chosen(blocks, chosen, setting, {told}, image, fresh_state(told), kPacketLearning);
     std::size_t guessed = 0;
     for (const std::size_t i : chosen) guessed += guessed_bits(blocks[i]);
     const bool fits = bytes.size() <= most_bytes;

@@ -21,8 +21,8 @@ inline constexpr std::int32_t kGridMm = 10;
 
 /// What is remembered from cell to cell through a packet.
 struct Running {
-  std::int32_t last_height = 0;            ///< [quanta] Of the cell told last.
-  std::optional<std::int32_t> alt_height;  ///< [quanta] Of the last cell told in alt mode.
+  std::int32_t last_height = 0;                 ///< [quanta] Of the cell told last.
+  std::optional<std::int32_t> alt_height;       ///< [quanta] Of the last cell told in alt mode.
   std::array<std::int32_t, 2> error16{32, 32};  ///< [1/16 step] Mean miss of new heights, by step.
   std::int32_t grid_height = 0;                 ///< [mm] Of the last exact height on a grid.
   int grid_history = 7;  ///< Whether the last three exact heights were, the last one lowest.

@@ -49,8 +49,7 @@ inline constexpr std::array<std::size_t, 6> kFewTables = {72 * kFewNodes,  72 * 
                                                           72 * kFewNodes,  162 * kFewNodes,
                                                           320 * kFewNodes, 256 * kFewNodes};
 inline constexpr std::array<std::size_t, 3> kPlainLevelTables = {144, 64, 81};
-inline constexpr std::array<std::size_t, 2> kRestTables = {16 * kRestNodes,
-                                                           kRestNodes* kRestNodes};
+inline constexpr std::array<std::size_t, 2> kRestTables = {16 * kRestNodes, kRestNodes* kRestNodes};
 inline constexpr std::array<std::size_t, 5> kGridTables = {81, 108, 72, 144, 864};
 inline constexpr std::array<std::size_t, 1> kRareTables = {192};
 

@@ -15,9 +15,7 @@ constexpr int kMostClass = 28;
 /// [mm] A height this far above the old one replaces it (SensorModel::tolerance_mm, by default).
 constexpr int kReplaceMm = 50;
 
-std::int64_t floor_div(std::int64_t a, std::int64_t b) {
-  return a / b - (a % b < 0 ? 1 : 0);
-}
+std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 bool on_one_grid(std::int64_t a, std::int64_t b) { return (a - b) % kGridMm == 0; }
 
 /// The height of a neighbour told in alt mode, else the packet's last, else nothing.
@@ -76,7 +74,8 @@ std::int64_t CellCoder<Coder>::signed_number(std::int64_t value, std::size_t fir
   return negative ? -static_cast<std::int64_t>(coded) : static_cast<std::int64_t>(coded);
 }
 
-// ---- Heights of cells that were unknown ----------------------------------------------------------
+// ---- Heights of cells that were unknown
+// ----------------------------------------------------------
 
 /// Exact heights: whether this one is on the grid of those told before around it.
 template <class Coder>
@@ -154,15 +153,16 @@ std::int64_t CellCoder<Coder>::new_height(const Here& here, const Prediction& p,
     return held(difference16 / (8 * in.size), 15);
   };
   const int sure = context_level(told_.probability);
-  const auto off_grid = static_cast<std::size_t>(off - Steps{kGridMm, in.phase}.nearest(std::int64_t{16} * off) + 5);
+  const auto off_grid =
+      static_cast<std::size_t>(off - Steps{kGridMm, in.phase}.nearest(std::int64_t{16} * off) + 5);
   const auto& element = in.fine ? kElements.fine : kElements.fresh;
   const auto& t = element.tables;
   const auto contexts = [&](std::size_t node, std::size_t rare_node) {
     if (node >= kNodes) return mixer_.add(t[11].at(rare_node));
     mixer_.add(t[0].at(z(spread * 6 + crowd) * kNodes + node));
     mixer_.add(t[1].at((beside(a.w) * 16 + beside(a.n)) * kNodes + node));
-    mixer_.add(t[2].at(
-        (eighths(16 * std::int64_t{p.nearest} - p.plane16) * 6 + z(crowd)) * kNodes + node));
+    mixer_.add(t[2].at((eighths(16 * std::int64_t{p.nearest} - p.plane16) * 6 + z(crowd)) * kNodes +
+                       node));
     mixer_.add(t[3].at((fraction * 8 + z(error)) * kNodes + node));
     mixer_.add(t[4].at(misses * kNodes + node));
     mixer_.add(t[5].at((held(in.of(std::int64_t{p.most} - off), 7) * 16 +
@@ -179,8 +179,8 @@ std::int64_t CellCoder<Coder>::new_height(const Here& here, const Prediction& p,
     if (in.fine) mixer_.add(t[10].at((off_grid * 8 + z(error)) * kNodes + node));
   };
   const std::size_t first = element.first_set;
-  const std::int64_t missed = signed_number((height - off) / in.size, first,
-                                            first + kNodes + 1 + 4 * z(crowd), contexts);
+  const std::int64_t missed =
+      signed_number((height - off) / in.size, first, first + kNodes + 1 + 4 * z(crowd), contexts);
   const auto miss = static_cast<std::int32_t>(std::min<std::int64_t>(std::abs(missed), 16));
   error16 += (16 * miss - error16) / 8;
   told_.residual = static_cast<std::uint8_t>(miss);
@@ -230,7 +230,8 @@ std::int64_t CellCoder<Coder>::alt_height(const Here& here, std::int32_t other, 
     mixer_.add(t[3].at((beside(a.nw) * 2 + z(marked(a.w, kAltMode))) * kNodes + node));
   };
   const std::size_t first = element.first_set;
-  return alt + in.size * signed_number((height - alt) / in.size, first, first + kNodes + 1, contexts);
+  return alt +
+         in.size * signed_number((height - alt) / in.size, first, first + kNodes + 1, contexts);
 }
 
 template <class Coder>

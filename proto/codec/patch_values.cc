@@ -126,9 +126,8 @@ int CellCoder<Coder>::level(const Here& here, int how, int value, int levels) {
     mixer_.add(
         t[4].at(at((a.told() * 8 + std::min(recent, 7)) * 8 + how * 2 + (a.self.updates > 1))));
     mixer_.add(t[5].at(at((a.self.age * 8 + a.self.updates) * 4 + how)));
-    const bool one =
-        mixer_.code(coder_, ((value >> bit) & 1) != 0, element.first_set + z(node),
-                    element.first_set + nodes + z(how * 5 + std::min(a.told(), 4)));
+    const bool one = mixer_.code(coder_, ((value >> bit) & 1) != 0, element.first_set + z(node),
+                                 element.first_set + nodes + z(how * 5 + std::min(a.told(), 4)));
     node = node * 2 + (one ? 1 : 0);
   }
   return node - (1 << bits);
@@ -157,8 +156,7 @@ bool CellCoder<Coder>::plain_level(const Here& here, int how, int level, bool is
   mixer_.add(element.tables[0].at(z(level * 9 + beside)));
   mixer_.add(element.tables[1].at(z(level * 4 + how)));
   mixer_.add(element.tables[2].at(z((beside * 3 + kind(a.nw)) * 3 + kind(a.ne))));
-  return mixer_.code(coder_, is, element.first_set + z(level),
-                     element.first_set + 16 + z(beside));
+  return mixer_.code(coder_, is, element.first_set + z(level), element.first_set + 16 + z(beside));
 }
 
 template <class Coder>

@@ -11,12 +11,12 @@ namespace cairn::proto::patch {
 
 /// A cell as the coder sees it: in steps and classes.
 struct WindowCell {
-  std::int32_t height = 0;    ///< [quanta] Above the submap's origin.
-  std::uint8_t level = 0;     ///< Probability: 0 unknown, 1 … 16 of 16 levels, 17 certain.
-  std::uint8_t age = 0;       ///< Class of the time since its last change, see age_class.
-  std::uint8_t marks = 0;     ///< kChanged …, in this packet.
-  std::uint8_t residual = 0;  ///< [quanta] By how much its new height was missed, saturating.
-  std::uint8_t updates = 0;   ///< Changes since it was unknown, 0 … 7.
+  std::int32_t height = 0;       ///< [quanta] Above the submap's origin.
+  std::uint8_t level = 0;        ///< Probability: 0 unknown, 1 … 16 of 16 levels, 17 certain.
+  std::uint8_t age = 0;          ///< Class of the time since its last change, see age_class.
+  std::uint8_t marks = 0;        ///< kChanged …, in this packet.
+  std::uint8_t residual = 0;     ///< [quanta] By how much its new height was missed, saturating.
+  std::uint8_t updates = 0;      ///< Changes since it was unknown, 0 … 7.
   std::uint8_t probability = 0;  ///< [1/255]
 
   [[nodiscard]] bool known() const { return level != 0; }

@@ -124,8 +124,7 @@ bool measure_snapshots(Report& to) {
     for (const std::string world : {"block", "hill", "room"}) {
       Cost cost;
       for (const std::uint64_t seed : {7, 8}) {
-        const auto tiles =
-            tiles_of_drive({.world = world, .seed = seed, .coarseness = {}}, moved);
+        const auto tiles = tiles_of_drive({.world = world, .seed = seed, .coarseness = {}}, moved);
         if (!tiles) {
           std::cerr << tiles.error().message << '\n';
           return false;

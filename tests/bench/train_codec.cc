@@ -1,6 +1,6 @@
-// Trains the priors that patches begin with (proto/codec/patch_priors_table.inc on simulated drives,
-// patch_exact_priors_table.inc on the maps that drives leave). What is reported of the codec
-// (bench_codec) uses other seeds.
+// Trains the priors that patches begin with (proto/codec/patch_priors_table.inc on simulated
+// drives, patch_exact_priors_table.inc on the maps that drives leave). What is reported of the
+// codec (bench_codec) uses other seeds.
 //   train_codec FILE FILE_OF_EXACT      "-" leaves one out
 
 #include <algorithm>
@@ -225,8 +225,8 @@ bool train_coarse(const std::string& file) {
   Lessons known;
   Lessons fresh;
   Lessons check;
-  if (!add_drives(known, {101, 102, 104}) ||
-      !add_drives(fresh, {103, 105}) || !add_drives(check, {106})) {
+  if (!add_drives(known, {101, 102, 104}) || !add_drives(fresh, {103, 105}) ||
+      !add_drives(check, {106})) {
     return false;
   }
   const MixerState state = train({}, known, fresh);
