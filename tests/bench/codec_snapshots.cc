@@ -11,6 +11,7 @@
 
 #include "core/map/packed_tile.h"
 #include "proto/codec/patch.h"
+#include "proto/codec/tile_snapshot.h"
 #include "tests/bench/map_tiles.h"
 #include "tests/bench/tile_baselines.h"
 #include "tests/support/data_folder.h"
@@ -36,6 +37,9 @@ struct Cost {
   double patch_bytes = 0.0;
   double write_s = 0.0;
   double read_s = 0.0;
+  double stored_bytes = 0.0;
+  double store_s = 0.0;
+  double load_s = 0.0;
   int wrong = 0;  ///< Tiles that were read otherwise than written.
   std::map<std::string, double> others;
 };
@@ -76,11 +80,25 @@ void by_patches(const TileKey& key, const Tile& tile, Cost& cost) {
   if (read_tile != tile) ++cost.wrong;
 }
 
+/// As the store and clients get it.
+void by_snapshot(const Tile& tile, Cost& cost) {
+  const PackedTile packed = PackedTile::pack(tile);
+  const std::clock_t start = std::clock();
+  const auto bytes = proto::write_tile_snapshot(packed);
+  cost.store_s += seconds_since(start);
+  const std::clock_t read_start = std::clock();
+  const auto read = proto::read_tile_snapshot(bytes);
+  cost.load_s += seconds_since(read_start);
+  cost.stored_bytes += static_cast<double>(bytes.size());
+  if (!read || *read != packed) ++cost.wrong;
+}
+
 void measure(const MapTiles& tiles, const std::vector<TileBaseline>& baselines, Cost& cost) {
   for (const auto& [key, tile] : tiles) {
     cost.tiles += 1.0;
     cost.cells += tile.known_count();
     by_patches(key, tile, cost);
+    by_snapshot(tile, cost);
     for (const TileBaseline& baseline : baselines) {
       cost.others[baseline.name] += static_cast<double>(baseline.size_bytes(tile));
     }
@@ -98,7 +116,8 @@ void report(Report& to, const std::string& name, const Cost& cost) {
   std::cout << name << ": " << cost.tiles << " tiles, " << cost.cells / cost.tiles
             << " known cells each; patches " << 8.0 * cost.patch_bytes / cost.cells
             << " bits a cell, written at " << raw_mb / cost.write_s << " MB/s, read at "
-            << raw_mb / cost.read_s << " MB/s\n";
+            << raw_mb / cost.read_s << " MB/s; stored " << 8.0 * cost.stored_bytes / cost.cells
+            << " bits a cell, read at " << raw_mb / cost.load_s << " MB/s\n";
   to.add({.name = "snapshot " + name + ", bits per known cell",
           .value = 8.0 * cost.patch_bytes / cost.cells,
           .unit = "bit",
@@ -110,6 +129,16 @@ void report(Report& to, const std::string& name, const Cost& cost) {
             .better = Better::higher,
             .goal = 1.35});
   }
+  to.add({.name = "snapshot " + name + ", at rest / stored",
+          .value = kCellBytes * cost.cells / cost.stored_bytes,
+          .unit = "x",
+          .better = Better::higher,
+          .goal = 2.0});
+  to.add({.name = "snapshot " + name + ", stored at",
+          .value = raw_mb / cost.store_s,
+          .unit = "MB/s",
+          .better = Better::higher,
+          .goal = 20.0});
   to.add({.name = "snapshot " + name + ", tiles read wrongly",
           .value = static_cast<double>(cost.wrong),
           .unit = "tiles",
