@@ -111,6 +111,7 @@ std::vector<std::uint8_t> write_chosen(std::span<const BlockUpdate> blocks,
   using Coder = patch::PatchCoder<RangeEncoder>;
   Coder::code_manner(encoder, manner);
   Coder coder(encoder, state, learning, setting, manner, image);
+  coder.code_view();
   for (const EvidenceLayer layer : kLayers) {
     auto told = of_layer(blocks, chosen, layer);
     [[maybe_unused]] const bool nothing = told.empty();
@@ -181,6 +182,7 @@ Result<std::vector<BlockUpdate>> read_patch(std::span<const std::uint8_t> bytes,
     return Error{ErrorCode::corrupt, "patch: " + wrong};
   }
   Coder coder(decoder, fresh_state(manner.coarseness), kPacketLearning, setting, manner, image);
+  coder.code_view();
   std::vector<BlockUpdate> blocks;
   for (const EvidenceLayer layer : kLayers) {
     std::vector<BlockUpdate> told;

@@ -8,6 +8,7 @@
 #include "core/delta/coarseness.h"
 #include "proto/codec/patch_contexts.h"
 #include "proto/codec/patch_predictor.h"
+#include "proto/codec/patch_view.h"
 #include "proto/codec/patch_window.h"
 #include "proto/codec/range_coder.h"
 
@@ -47,8 +48,15 @@ template <class Coder>
 class CellCoder {
  public:
   CellCoder(Coder& coder, MixerState& state, const Learning& learning, const Coarseness& coarseness,
-            Running& running)
-      : coder_(coder), mixer_(state, learning), coarseness_(coarseness), running_(running) {}
+            Running& running, const std::optional<Viewpoint>& view)
+      : coder_(coder),
+        mixer_(state, learning),
+        coarseness_(coarseness),
+        running_(running),
+        view_(view) {}
+
+  /// The first cell of the block that comes next, in the submap's grid.
+  void set_origin(CellIndex origin) { origin_ = origin; }
 
   /// Codes which cells of the window's middle changed and their values; `delta` gives them or takes
   /// them, the window takes them. False when what was read breaks a bound: a height that does not
@@ -72,6 +80,10 @@ class CellCoder {
     int y;
   };
 
+  /// Requires: a viewpoint.
+  [[nodiscard]] Place place_of(int x, int y) const {
+    return place_from(*view_, std::int64_t{origin_.x} + x, std::int64_t{origin_.y} + y);
+  }
   bool quarter(const Window& window, int quarter, const bool* coded, bool changed);
   bool mask(const Here& here, bool changed, int in_block);
   bool code_cell(const Here& here, Cell& cell, std::int32_t datum_mm);
@@ -98,6 +110,8 @@ class CellCoder {
   BitMixer mixer_;
   Coarseness coarseness_;
   Running& running_;
+  const std::optional<Viewpoint>& view_;
+  CellIndex origin_;
   /// Marks and residual of the cell being told.
   struct {
     std::uint8_t marks = 0;

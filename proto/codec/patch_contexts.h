@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "proto/codec/bit_mixer.h"
+#include "proto/codec/patch_view.h"
 
 /// Where each context's statistics and each set of weights lie in the mixer's state: part of the
 /// protocol version, as the trained priors are.
@@ -27,27 +28,54 @@ struct Table {
   [[nodiscard]] constexpr std::size_t at(std::size_t context) const { return first + context; }
 };
 
+/// Places as seen from the viewpoint.
+inline constexpr std::size_t kPolar = Place::kDistances * Place::kOctants;
+inline constexpr std::size_t kSquare = Place::kAhead * Place::kAside;
+
 /// Sizes of the tables, by element of a patch.
-inline constexpr std::array<std::size_t, 4> kBlockTables = {128, 144, 256, 256};
-inline constexpr std::array<std::size_t, 4> kQuarterTables = {64, 128, 256, 64};
-inline constexpr std::array<std::size_t, 10> kMaskTables = {512,  720, 2560, 800,  1024,
-                                                            1080, 512, 1600, 1024, 2048};
+inline constexpr std::array<std::size_t, 6> kBlockTables = {128, 144,        256,
+                                                            256, kPolar * 8, kSquare * 2};
+inline constexpr std::array<std::size_t, 6> kQuarterTables = {64, 128,        256,
+                                                              64, kPolar * 8, kSquare * 2};
+inline constexpr std::array<std::size_t, 13> kMaskTables = {512,
+                                                            720,
+                                                            2560,
+                                                            800,
+                                                            1024,
+                                                            1080,
+                                                            512,
+                                                            1600,
+                                                            1024,
+                                                            2048,
+                                                            kSquare * 6,
+                                                            kPolar * 4,
+                                                            Place::kDistances * 40};
 inline constexpr std::array<std::size_t, 4> kClearTables = {90, 144, 128, 64};
 inline constexpr std::array<std::size_t, 4> kAltTables = {64, 128, 128, 256};
-inline constexpr std::array<std::size_t, 12> kNewTables = {
+inline constexpr std::array<std::size_t, 13> kNewTables = {
     60 * kNodes,  256 * kNodes, 192 * kNodes, 64 * kNodes,  64 * kNodes, 256 * kNodes,
-    256 * kNodes, 256 * kNodes, 256 * kNodes, 180 * kNodes, 80 * kNodes, kRareNodes};
+    256 * kNodes, 256 * kNodes, 256 * kNodes, 180 * kNodes, 80 * kNodes, Place::kDistances* kNodes,
+    kRareNodes};
 inline constexpr std::array<std::size_t, 5> kAltHeightTables = {
     16 * kNodes, 256 * kNodes, 64 * kNodes, 64 * kNodes, kRareNodes};
-inline constexpr std::array<std::size_t, 5> kMovedTables = {144, 128, 288, 144, 256};
+inline constexpr std::array<std::size_t, 6> kMovedTables = {144, 128, 288,
+                                                            144, 256, Place::kDistances * 8};
 inline constexpr std::array<std::size_t, 6> kChangeTables = {
     144 * kNodes, 16 * kNodes, 16 * kNodes, 64 * kNodes, 128 * kNodes, kRareNodes};
-inline constexpr std::array<std::size_t, 6> kLevelTables = {72 * kLevelNodes,  72 * kLevelNodes,
-                                                            72 * kLevelNodes,  162 * kLevelNodes,
-                                                            320 * kLevelNodes, 256 * kLevelNodes};
-inline constexpr std::array<std::size_t, 6> kFewTables = {72 * kFewNodes,  72 * kFewNodes,
-                                                          72 * kFewNodes,  162 * kFewNodes,
-                                                          320 * kFewNodes, 256 * kFewNodes};
+inline constexpr std::array<std::size_t, 7> kLevelTables = {72 * kLevelNodes,
+                                                            72 * kLevelNodes,
+                                                            72 * kLevelNodes,
+                                                            162 * kLevelNodes,
+                                                            320 * kLevelNodes,
+                                                            256 * kLevelNodes,
+                                                            Place::kDistances * 8 * kLevelNodes};
+inline constexpr std::array<std::size_t, 7> kFewTables = {72 * kFewNodes,
+                                                          72 * kFewNodes,
+                                                          72 * kFewNodes,
+                                                          162 * kFewNodes,
+                                                          320 * kFewNodes,
+                                                          256 * kFewNodes,
+                                                          Place::kDistances * 8 * kFewNodes};
 inline constexpr std::array<std::size_t, 3> kPlainLevelTables = {144, 64, 81};
 inline constexpr std::array<std::size_t, 2> kRestTables = {16 * kRestNodes, kRestNodes* kRestNodes};
 inline constexpr std::array<std::size_t, 5> kGridTables = {81, 108, 72, 144, 864};
@@ -100,20 +128,20 @@ class Layout {
 
 struct Elements {
   Layout layout;
-  Element<4> block = layout.put(kBlockTables, kBlockSets);
-  Element<4> quarter = layout.put(kQuarterTables, kQuarterSets);
-  Element<10> mask = layout.put(kMaskTables, kMaskSets);
+  Element<6> block = layout.put(kBlockTables, kBlockSets);
+  Element<6> quarter = layout.put(kQuarterTables, kQuarterSets);
+  Element<13> mask = layout.put(kMaskTables, kMaskSets);
   Element<4> clear = layout.put(kClearTables, kClearSets);
   Element<4> alt = layout.put(kAltTables, kAltSets);
-  Element<12> fresh = layout.put(kNewTables, kNewSets);
+  Element<13> fresh = layout.put(kNewTables, kNewSets);
   Element<5> alt_height = layout.put(kAltHeightTables, kAltHeightSets);
-  Element<12> fine = layout.put(kNewTables, kNewSets);
+  Element<13> fine = layout.put(kNewTables, kNewSets);
   Element<5> fine_alt = layout.put(kAltHeightTables, kAltHeightSets);
   Element<5> grid = layout.put(kGridTables, kGridSets);
-  Element<5> moved = layout.put(kMovedTables, kMovedSets);
+  Element<6> moved = layout.put(kMovedTables, kMovedSets);
   Element<6> change = layout.put(kChangeTables, kChangeSets);
-  Element<6> level = layout.put(kLevelTables, kLevelSets);
-  Element<6> few = layout.put(kFewTables, kFewSets);
+  Element<7> level = layout.put(kLevelTables, kLevelSets);
+  Element<7> few = layout.put(kFewTables, kFewSets);
   Element<3> plain_level = layout.put(kPlainLevelTables, kPlainLevelSets);
   Element<2> rest = layout.put(kRestTables, kRestSets);
   Element<1> rare = layout.put(kRareTables, kRareSets);

@@ -152,13 +152,14 @@ std::int64_t CellCoder<Coder>::new_height(const Here& here, const Prediction& p,
   const auto eighths = [&](std::int64_t difference16) {
     return held(difference16 / (8 * in.size), 15);
   };
+  const std::size_t distance = view_ ? place_of(here.x, here.y).distance : 0;
   const int sure = context_level(told_.probability);
   const auto off_grid =
       static_cast<std::size_t>(off - Steps{kGridMm, in.phase}.nearest(std::int64_t{16} * off) + 5);
   const auto& element = in.fine ? kElements.fine : kElements.fresh;
   const auto& t = element.tables;
   const auto contexts = [&](std::size_t node, std::size_t rare_node) {
-    if (node >= kNodes) return mixer_.add(t[11].at(rare_node));
+    if (node >= kNodes) return mixer_.add(t[12].at(rare_node));
     mixer_.add(t[0].at(z(spread * 6 + crowd) * kNodes + node));
     mixer_.add(t[1].at((beside(a.w) * 16 + beside(a.n)) * kNodes + node));
     mixer_.add(t[2].at((eighths(16 * std::int64_t{p.nearest} - p.plane16) * 6 + z(crowd)) * kNodes +
@@ -174,6 +175,7 @@ std::int64_t CellCoder<Coder>::new_height(const Here& here, const Prediction& p,
     mixer_.add(t[7].at((beside(a.nw) * 16 + beside(a.ne)) * kNodes + node));
     mixer_.add(
         t[8].at((eighths(std::int64_t{p.even16} - p.plane16) * 8 + z(error)) * kNodes + node));
+    if (view_) mixer_.add(t[11].at(distance * kNodes + node));
     if (sure == 0) return;
     mixer_.add(t[9].at(z(sure * 10 + spread) * kNodes + node));
     if (in.fine) mixer_.add(t[10].at((off_grid * 8 + z(error)) * kNodes + node));
@@ -251,6 +253,9 @@ std::int64_t CellCoder<Coder>::changed_height(const Here& here, std::int64_t hei
   mixer_.add(moved.tables[2].at(held(plane - old, 7) * 18 + a.self.level));
   mixer_.add(moved.tables[3].at(z(a.self.updates * 18 + a.self.level)));
   mixer_.add(moved.tables[4].at(held((most - old) / 2, 7) * 16 + z(moved_near)));
+  if (view_) {
+    mixer_.add(moved.tables[5].at(place_of(here.x, here.y).distance * 8 + z(a.self.age)));
+  }
   if (!mixer_.code(coder_, height != old, moved.first_set + z(a.self.updates),
                    moved.first_set + 9 + z(a.self.age))) {
     how = 0;

@@ -20,10 +20,10 @@ constexpr std::int32_t kWeightStep = 256;
 constexpr std::array<std::uint16_t, 16> kSeen = {0,  1,  2,  3,  4,  6,  8,   12,
                                                  16, 24, 32, 48, 64, 96, 128, 255};
 
-constexpr std::string_view kTable =
+constexpr char kTable[] =
 #include "proto/codec/patch_priors_table.inc"
     ;
-constexpr std::string_view kExactTable =
+constexpr char kExactTable[] =
 #include "proto/codec/patch_exact_priors_table.inc"
     ;
 
@@ -83,8 +83,9 @@ std::optional<MixerState> priors_from_text(std::string_view text) {
 }  // namespace patch
 
 const MixerState& trained_priors(const Coarseness& coarseness) {
-  static const MixerState coarse = patch::priors_of(patch::kTable);
-  static const MixerState exact = patch::priors_of(patch::kExactTable);
+  static const MixerState coarse = patch::priors_of({patch::kTable, sizeof patch::kTable - 1});
+  static const MixerState exact =
+      patch::priors_of({patch::kExactTable, sizeof patch::kExactTable - 1});
   return coarseness == kExact ? exact : coarse;
 }
 

@@ -111,6 +111,7 @@ int CellCoder<Coder>::level(const Here& here, int how, int value, int levels) {
     return changed(cell) != 0 ? cell.level : 0;
   };
   const int recent = ones(Bits(*here.window, here.x, here.y).eight(&Window::Row::recent));
+  const std::size_t distance = view_ ? place_of(here.x, here.y).distance : 0;
   const bool few = bits < 4;
   const auto& element = few ? kElements.few : kElements.level;
   const std::size_t nodes = few ? kFewNodes : kLevelNodes;
@@ -126,6 +127,7 @@ int CellCoder<Coder>::level(const Here& here, int how, int value, int levels) {
     mixer_.add(
         t[4].at(at((a.told() * 8 + std::min(recent, 7)) * 8 + how * 2 + (a.self.updates > 1))));
     mixer_.add(t[5].at(at((a.self.age * 8 + a.self.updates) * 4 + how)));
+    if (view_) mixer_.add(t[6].at((distance * 8 + z(how * 2 + (a.told() > 1))) * nodes + z(node)));
     const bool one = mixer_.code(coder_, ((value >> bit) & 1) != 0, element.first_set + z(node),
                                  element.first_set + nodes + z(how * 5 + std::min(a.told(), 4)));
     node = node * 2 + (one ? 1 : 0);

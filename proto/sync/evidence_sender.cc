@@ -34,6 +34,7 @@ bool EvidenceSender::Outgoing::held() const {
 
 Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm) {
   assert(open_submap() == nullptr);
+  view_.reset();
   if (submaps_.size() >= kMaxSubmaps) drop_oldest_closed();
   const SubmapId id{boot, ++last_sequence_};
   Outgoing& outgoing =
@@ -194,7 +195,8 @@ int EvidenceSender::add_blocks(Outgoing& outgoing, FrameWriter& frame, std::uint
                                Cargo& cargo) {
   const auto updates = next_updates(outgoing, frame.room_bytes());
   if (updates.empty()) return 0;
-  const auto taken = patches_.fill(frame, number, updates);
+  const auto view = outgoing.submap.closed ? std::nullopt : view_;
+  const auto taken = patches_.fill(frame, number, updates, view);
   for (const std::size_t i : taken) set_out(outgoing, updates[i], number, cargo);
   return taken.empty() ? 0 : 1;
 }
@@ -205,12 +207,12 @@ std::vector<BlockKey> EvidenceSender::in_turn(const Outgoing& outgoing) const {
   for (const auto& [turn, key] : outgoing.waiting) {
     if (turn <= round_turn_) keys.push_back(key);
   }
-  if (!near_ || outgoing.submap.closed) return keys;
+  if (!view_ || outgoing.submap.closed) return keys;
   const auto distance = [this](const BlockKey& key) {
     const int first = index_in_tile(key.block, 0);
     const std::int64_t dx = key.tile.tx * Tile::kSize + first % Tile::kSize + kBlockSize / 2;
     const std::int64_t dy = key.tile.ty * Tile::kSize + first / Tile::kSize + kBlockSize / 2;
-    return std::max(std::abs(dx - near_->x), std::abs(dy - near_->y));
+    return std::max(std::abs(dx - view_->at.x), std::abs(dy - view_->at.y));
   };
   std::ranges::stable_sort(keys, {}, distance);
   return keys;

@@ -75,7 +75,7 @@ class EvidenceSender {
   void set_coarseness(const Coarseness& coarseness) { patches_.set_coarseness(coarseness); }
 
   /// Where the robot is in the open submap: what changed there goes first.
-  void set_near(CellIndex near) { near_ = near; }
+  void set_view(const Viewpoint& view) { view_ = view; }
 
   /// Evidence sets out (again) after frame `last_number`: every block that now has news, once.
   /// What changes or is lost meanwhile waits for the next round, so that on a slow link rounds
@@ -183,7 +183,7 @@ class EvidenceSender {
   std::uint64_t turn_ = 0;
   /// The last turn before the round; before the first round everything may go.
   std::uint64_t round_turn_ = std::numeric_limits<std::uint64_t>::max();
-  std::optional<CellIndex> near_;
+  std::optional<Viewpoint> view_;  ///< In the open submap.
   std::uint64_t dropped_submaps_ = 0;
 };
 

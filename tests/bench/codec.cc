@@ -68,7 +68,7 @@ class Link {
  public:
   Link(const cairn::Coarseness& coarseness, Cost& cost) : coarseness_(coarseness), cost_(cost) {}
 
-  void tell(Delta delta) {
+  void tell(Delta delta, const cairn::proto::Viewpoint& view) {
     ++tick_;
     cost_.deltas += 1.0;
     double write_ms = 0.0;
@@ -77,7 +77,7 @@ class Link {
     while (!delta.empty()) {
       const std::clock_t start = std::clock();
       const auto patch =
-          cairn::proto::write_patch(delta, {1, tick_}, coarseness_, image_, kMostBytes);
+          cairn::proto::write_patch(delta, {1, tick_, view}, coarseness_, image_, kMostBytes);
       write_ms += cpu_ms(start);
       const std::clock_t read_start = std::clock();
       const auto read = cairn::proto::read_patch(patch.bytes, {1, tick_}, image_);
@@ -150,11 +150,11 @@ bool measure(const std::string& world, Measured& measured, std::vector<std::stri
     }
     measured.seconds += 300.0;
     Link link({}, measured.cost);
-    std::size_t turn = 0;
-    for (const Delta& delta : drive->deltas) {
+    for (std::size_t turn = 0; turn < drive->deltas.size(); ++turn) {
+      const Delta& delta = drive->deltas[turn];
       const Cost before = measured.cost;
-      link.tell(delta);
-      if (turn++ % kEach != 0) continue;
+      link.tell(delta, drive->views[turn]);
+      if (turn % kEach != 0) continue;
       measured.compared_bytes += measured.cost.bytes - before.bytes;
       measured.compared_cells += measured.cost.cells - before.cells;
       for (std::size_t i = 0; i < baselines.size(); ++i) {
@@ -209,7 +209,9 @@ bool measure_radio(cairn::bench::Report& to) {
       return false;
     }
     Link link(radio.coarseness, cost);
-    for (const Delta& delta : drive->deltas) link.tell(delta);
+    for (std::size_t i = 0; i < drive->deltas.size(); ++i) {
+      link.tell(drive->deltas[i], drive->views[i]);
+    }
     seconds += 300.0;
     worst = std::max(worst, misjudged(drive->exact, drive->told));
   }

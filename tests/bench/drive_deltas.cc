@@ -18,6 +18,7 @@ class Teller {
       : setting_(setting), drive_(drive), integrator_(SensorModel{}), submap_({1, 1}, {}, 125) {}
 
   void take(const Scan& scan, const LaserSpec& laser, const Pose& pose) {
+    pose_ = pose;
     const auto effect = integrator_.integrate(
         drive_.exact, beams_in_site(scan, laser, pose, setting_.range_m), std::nullopt, nullptr);
     std::vector<CellIndex> told;
@@ -43,6 +44,8 @@ class Teller {
     if (delta.empty()) return;
     std::ranges::sort(delta, {}, &proto::BlockUpdate::key);
     drive_.deltas.push_back(std::move(delta));
+    drive_.views.push_back(
+        {submap_.surface.cell_at(pose_.x_m, pose_.y_m), proto::heading_of(pose_.yaw_rad)});
   }
 
   [[nodiscard]] const HeightMap& told() const { return submap_.surface; }
@@ -52,6 +55,7 @@ class Teller {
   Drive& drive_;
   ScanIntegrator integrator_;
   Submap submap_;
+  Pose pose_;
   SubmapVersions versions_;
   std::unordered_map<BlockKey, std::uint32_t, BlockKeyHash> told_;  ///< Version told, by block.
 };

@@ -4,6 +4,7 @@
 
 #include "core/common/result.h"
 #include "core/map/height_map.h"
+#include "proto/codec/patch_view.h"
 #include "proto/codec/records.h"
 #include "tests/bench/drive_about.h"
 
@@ -13,9 +14,10 @@ namespace cairn::bench {
 using Delta = std::vector<proto::BlockUpdate>;
 
 struct Drive {
-  std::vector<Delta> deltas;  ///< Those that hold something.
-  HeightMap exact{125};       ///< The map as its rules made it …
-  HeightMap told{125};        ///< … and as it was told.
+  std::vector<Delta> deltas;            ///< Those that hold something …
+  std::vector<proto::Viewpoint> views;  ///< … and where each was told.
+  HeightMap exact{125};                 ///< The map as its rules made it …
+  HeightMap told{125};                  ///< … and as it was told.
   double way_m = 0.0;
 };
 

@@ -30,14 +30,15 @@ constexpr Learning kGathering{.most_seen = 1000, .weight_rate = 6};
 /// While weights are learned each packet begins with the statistics that it will begin with.
 constexpr Learning kWeighing{.most_seen = 255, .weight_rate = 2};
 /// A prior rests on at most so many bits, so that a packet's own count soon.
-constexpr std::uint16_t kMostSeen = 10;
+constexpr std::uint16_t kMostSeen = 6;
 
 /// Patches of one drive or map.
 struct Lesson {
   std::string name;
   Coarseness coarseness;
   std::vector<Delta> deltas;
-  bool alone = false;  ///< Each is told without the others being known.
+  std::vector<cairn::proto::Viewpoint> views;  ///< Of each, unless they are alone.
+  bool alone = false;                          ///< Each is told without the others being known.
 };
 using Lessons = std::vector<Lesson>;
 
@@ -48,7 +49,7 @@ bool add_drive(Lessons& lessons, const DriveSetting& setting) {
     return false;
   }
   lessons.push_back({setting.world + ' ' + std::to_string(setting.seed), setting.coarseness,
-                     std::move(drive->deltas)});
+                     std::move(drive->deltas), std::move(drive->views)});
   return true;
 }
 
@@ -56,7 +57,7 @@ bool add_drive(Lessons& lessons, const DriveSetting& setting) {
 std::vector<std::uint64_t> more_rooms(const std::vector<std::uint64_t>& seeds) {
   std::vector<std::uint64_t> more;
   for (const std::uint64_t seed : seeds) {
-    for (const std::uint64_t room : {100, 200, 300}) more.push_back(seed + room);
+    for (const std::uint64_t room : {100}) more.push_back(seed + room);
   }
   return more;
 }
@@ -109,7 +110,7 @@ bool add_map(Lessons& lessons, const std::string& world, std::uint64_t seed) {
       return false;
     }
     const std::string name = "map of " + world + ' ' + std::to_string(seed);
-    lessons.push_back({name + (moved ? ", moved" : ""), cairn::kExact, {}, true});
+    lessons.push_back({name + (moved ? ", moved" : ""), cairn::kExact, {}, {}, true});
     cut(*tiles, lessons.back().deltas);
   }
   return true;
@@ -139,10 +140,12 @@ Cost run(const Lesson& lesson, MixerState& state, const Learning& learning,
   cairn::ContextImage image;
   Cost cost;
   std::uint8_t tick = 0;
-  for (const Delta& delta : lesson.deltas) {
+  for (std::size_t i = 0; i < lesson.deltas.size(); ++i) {
+    const Delta& delta = lesson.deltas[i];
     ++tick;
     before_each(state);
-    const cairn::proto::PatchSetting setting{1, lesson.alone ? std::uint8_t{0} : tick};
+    cairn::proto::PatchSetting setting{1, tick};
+    if (!lesson.alone) setting.view = lesson.views[i];
     const auto bytes = cairn::proto::write_patch_learning(delta, setting, lesson.coarseness, image,
                                                           state, learning);
     cost.bytes += static_cast<double>(bytes.size());

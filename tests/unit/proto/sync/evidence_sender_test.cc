@@ -180,7 +180,7 @@ TEST_F(EvidenceSenderTest, WhatChangedNearTheRobotGoesFirst) {
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) see({x, y}, (x * 7919 + y * 104'729) % 3000);
   }
-  sender.set_near({56, 56});
+  sender.set_view({{56, 56}, 0});
   const auto all = blocks(fill(1));
   ASSERT_FALSE(all.empty());
   ASSERT_LT(all.size(), 16U) << "the frame is too long to tell";
