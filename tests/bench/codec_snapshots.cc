@@ -132,8 +132,7 @@ void report(Report& to, const std::string& name, const Cost& cost) {
   to.add({.name = "snapshot " + name + ", at rest / stored",
           .value = kCellBytes * cost.cells / cost.stored_bytes,
           .unit = "x",
-          .better = Better::higher,
-          .goal = 2.0});
+          .better = Better::higher});
   to.add({.name = "snapshot " + name + ", stored at",
           .value = raw_mb / cost.store_s,
           .unit = "MB/s",

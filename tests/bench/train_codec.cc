@@ -53,11 +53,11 @@ bool add_drive(Lessons& lessons, const DriveSetting& setting) {
   return true;
 }
 
-/// A room has little to learn from, so there are more of them.
-std::vector<std::uint64_t> more_rooms(const std::vector<std::uint64_t>& seeds) {
+/// A room has little to learn from, so there are more of them: so many for each seed.
+std::vector<std::uint64_t> more_rooms(const std::vector<std::uint64_t>& seeds, std::uint64_t each) {
   std::vector<std::uint64_t> more;
   for (const std::uint64_t seed : seeds) {
-    for (const std::uint64_t room : {100}) more.push_back(seed + room);
+    for (std::uint64_t room = 1; room <= each; ++room) more.push_back(seed + 100 * room);
   }
   return more;
 }
@@ -75,7 +75,7 @@ bool add_drives(Lessons& lessons, const std::vector<std::uint64_t>& seeds) {
       return false;
     }
   }
-  return std::ranges::all_of(more_rooms(seeds), [&](std::uint64_t seed) {
+  return std::ranges::all_of(more_rooms(seeds, 1), [&](std::uint64_t seed) {
     return add_drive(lessons, {.world = "room", .seed = seed, .coarseness = {}});
   });
 }
@@ -122,7 +122,7 @@ bool add_maps(Lessons& lessons, const std::vector<std::uint64_t>& seeds) {
       if (!add_map(lessons, world, seed)) return false;
     }
   }
-  return std::ranges::all_of(more_rooms(seeds),
+  return std::ranges::all_of(more_rooms(seeds, 3),
                              [&](std::uint64_t seed) { return add_map(lessons, "room", seed); });
 }
 

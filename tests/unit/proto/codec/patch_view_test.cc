@@ -41,7 +41,7 @@ TEST(Place, StaysWithinItsClassesHoweverFar) {
   for (const std::int64_t far : {std::int64_t{1}, std::int64_t{5000}, std::int64_t{1} << 40}) {
     for (int heading = 0; heading < kHeadings; ++heading) {
       const Viewpoint view{{-(1 << 29), 1 << 29}, static_cast<std::uint8_t>(heading)};
-      for (const auto [x, y] : {std::pair{far, far}, {-far, far}, {far, -far}, {-far, -far}}) {
+      for (const auto& [x, y] : {std::pair{far, far}, {-far, far}, {far, -far}, {-far, -far}}) {
         const patch::Place place = patch::place_from(view, x, y);
         EXPECT_LT(place.polar(), patch::Place::kDistances * patch::Place::kOctants);
         EXPECT_LT(place.square(), patch::Place::kAhead * patch::Place::kAside);

@@ -167,12 +167,16 @@ TEST_F(EvidenceSenderTest, ARoundSendsEachBlockOnceAndTheNextOneWhatChangedMeanw
 TEST_F(EvidenceSenderTest, WhatIsLostGoesWithTheNextRound) {
   sender.begin(7, {}, 125);
   see({0, 0});
-  sender.begin_round(0);
   (void)fill(1);
-  sender.on_lost(1);
-  EXPECT_FALSE(sender.round_has_news());
+  sender.on_acked(1);
+  see({0, 0}, 300);
   sender.begin_round(1);
-  EXPECT_EQ(block(fill(2)).version, 1U);
+  (void)fill(2);
+  sender.on_lost(2);
+  EXPECT_FALSE(sender.round_has_news());
+  EXPECT_TRUE(sender.has_news());
+  sender.begin_round(2);
+  EXPECT_EQ(block(fill(3)).version, 2U);
 }
 
 TEST_F(EvidenceSenderTest, WhatChangedNearTheRobotGoesFirst) {
