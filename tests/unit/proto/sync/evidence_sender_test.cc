@@ -167,7 +167,7 @@ TEST_F(EvidenceSenderTest, ARoundSendsEachBlockOnceAndTheNextOneWhatChangedMeanw
 TEST_F(EvidenceSenderTest, WhatIsLostGoesWithTheNextRound) {
   sender.begin(7, {}, 125);
   see({0, 0});
-  (void)fill(1);
+  EXPECT_EQ(block(fill(1)).version, 1U);
   sender.on_acked(1);
   see({0, 0}, 300);
   sender.begin_round(1);
