@@ -320,7 +320,7 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
   // What somebody waits for travels in short frames, and so does a session's first pose.
   const bool brief = urgent || first_pose;
   const bool evidence = !brief && evidence_may_go(now) && evidence_.fill(frame, number) > 0;
-  if (!evidence_.has_news()) round_open_ = false;
+  if (!evidence_.round_has_news()) round_open_ = false;
   const std::size_t bytes = frame.size_bytes() + overhead_bytes_;
   budget_.sent(evidence ? Traffic::map : pose ? Traffic::pose : Traffic::control, bytes, now);
   if (urgent || evidence) {
@@ -371,6 +371,7 @@ MonotonicTime RobotLink::pose_due(MonotonicTime now) const {
 bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due(now); }
 
 void RobotLink::open_round_if_due(MonotonicTime now) {
+  round_open_ = round_open_ && evidence_.round_has_news();
   if (round_open_ || now < round_due_ || !evidence_.has_news()) return;
   round_open_ = true;
   evidence_.begin_round(flight_.last_number());
@@ -378,7 +379,7 @@ void RobotLink::open_round_if_due(MonotonicTime now) {
 }
 
 bool RobotLink::evidence_waits() const {
-  return round_open_ && flight_.evidence_may_go() && evidence_.has_news();
+  return round_open_ && flight_.evidence_may_go() && evidence_.round_has_news();
 }
 
 bool RobotLink::evidence_may_go(MonotonicTime now) const {
@@ -398,7 +399,8 @@ MonotonicTime RobotLink::next_due(MonotonicTime now) const {
   if (ack_due_) due = std::min(due, *ack_due_);
   if (pose_) due = std::min(due, pose_due(now));
   if (evidence_waits()) due = std::min(due, budget_.due(Traffic::map, now));
-  if (!round_open_ && evidence_.has_news()) due = std::min(due, round_due_);
+  const bool round_ended = !round_open_ || !evidence_.round_has_news();
+  if (round_ended && evidence_.has_news()) due = std::min(due, round_due_);
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);
   return std::max(now, due);
