@@ -62,8 +62,8 @@ struct DriverConfig {
 /// the server is heard again) and when the robot tilts. Where the way is closed for more than a
 /// moment it goes around, on its own map: it picks up the order's field where that leads, or else
 /// its path; where it finds no way around it waits for the server's next path; closed in, it backs
-/// out along its track. Whatever it follows, its footprint gets over no obstacle of its map. A robot
-/// that is not sure where it is drives slowly; a lost one does not drive, it looks around.
+/// out along its track. Whatever it follows, its footprint gets over no obstacle of its map. A
+/// robot that is not sure where it is drives slowly; a lost one does not drive, it looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
