@@ -59,7 +59,7 @@ void Mission::keep(const Robot& robot, Duty& duty, std::function<void(Status)> d
   duty.kept_tasks = fingerprint(duty.tasks);
   const KeptDuty kept{duty.tasks, duty.newest_task, duty.boot, duty.home_m};
   robot.site->keep_note(std::string(kNotePrefix) + robot.id, encode(kept, clocks_now()),
-                        [self = shared_from_this(), done = std::move(done)](Status written) {
+                        [self = shared_from_this(), done = std::move(done)](const Status& written) {
                           asio::post(self->strand_, [done, written] { done(written); });
                         });
 }
