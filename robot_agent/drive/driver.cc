@@ -278,9 +278,8 @@ bool Driver::escape(const Pose& pose, const OwnMap& map) {
 std::optional<DriveCommand> Driver::go_on_escaping(const Pose& pose, const OwnMap& map) {
   if (!escape_) return std::nullopt;
   if (!room_around(pose, map).open_at({pose.x_m, pose.y_m})) {
-    const auto back = escape_->step(pose);
-    const auto command = back ? with_room(*back, pose, map) : std::nullopt;
-    if (command) return command;
+    // Where it has just driven nothing is in the way, whatever the map says of the ground there.
+    if (const auto back = escape_->step(pose)) return back;
   }
   escape_.reset();
   return std::nullopt;
