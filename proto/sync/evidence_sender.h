@@ -46,6 +46,9 @@ class EvidenceSender {
   void touch(EvidenceLayer layer, const std::vector<CellIndex>& cells);
   /// The robot will add nothing more to the open submap.
   void close();
+  /// Forgets the open submap, of which nothing was ever told; the next one takes its sequence.
+  /// Requires: an open submap that was never touched.
+  void discard();
   [[nodiscard]] Submap* open_submap();
   // ---- For who keeps a copy outside: what is here, and what went.
 

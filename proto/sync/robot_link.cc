@@ -359,10 +359,17 @@ MonotonicTime RobotLink::pose_due(MonotonicTime now) const {
 bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due(now); }
 
 void RobotLink::open_round_if_due(MonotonicTime now) {
-  if (round_open_ || now < round_due_ || !evidence_.has_news()) return;
+  if (round_open_ || now < round_due(now) || !evidence_.has_news()) return;
   round_open_ = true;
   evidence_.begin_round(flight_.last_number());
   round_due_ = now + config_.evidence_period;
+}
+
+/// Evidence sets out with a pose, if one is due soon: one frame for both.
+MonotonicTime RobotLink::round_due(MonotonicTime now) const {
+  if (!pose_ || !told_) return round_due_;
+  const MonotonicTime pose = pose_due(now);
+  return pose <= round_due_ + config_.evidence_period ? std::max(round_due_, pose) : round_due_;
 }
 
 bool RobotLink::evidence_waits() const {
@@ -386,7 +393,7 @@ MonotonicTime RobotLink::next_due(MonotonicTime now) const {
   if (ack_due_) due = std::min(due, *ack_due_);
   if (pose_) due = std::min(due, pose_due(now));
   if (evidence_waits()) due = std::min(due, budget_.due(Traffic::map, now));
-  if (!round_open_ && evidence_.has_news()) due = std::min(due, round_due_);
+  if (!round_open_ && evidence_.has_news()) due = std::min(due, round_due(now));
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);
   return std::max(now, due);

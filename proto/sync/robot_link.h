@@ -134,6 +134,7 @@ class RobotLink {
   [[nodiscard]] bool evidence_waits() const;
   [[nodiscard]] bool evidence_may_go(MonotonicTime now) const;
   void open_round_if_due(MonotonicTime now);
+  [[nodiscard]] MonotonicTime round_due(MonotonicTime now) const;
   void acknowledge_by(MonotonicTime due);
   void give_up_late_frames(MonotonicTime now);
   std::vector<std::uint8_t> finish(FrameWriter&& frame);

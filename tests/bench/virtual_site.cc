@@ -1,0 +1,254 @@
+#include "tests/bench/virtual_site.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/planner/plan.h"
+#include "robot_agent/input/simulator.h"
+#include "server/mission/planning.h"
+#include "server/store/sqlite_store.h"
+
+namespace cairn::bench {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr Duration kCommitPeriod = milliseconds(12);  ///< As Site's.
+constexpr Duration kTick = milliseconds(10);          ///< How often the agent looks at the link …
+constexpr Duration kAgentPeriod = milliseconds(50);   ///< … and at its instruments.
+constexpr Duration kValid = std::chrono::hours(1);
+
+std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
+
+std::unique_ptr<agent::Input> make_input(const VirtualSite::Config& config) {
+  agent::SimulatorConfig simulator;
+  simulator.world = config.world;
+  simulator.seed = config.seed;
+  return agent::make_simulator(simulator).value();
+}
+
+}  // namespace
+
+// ---- The server
+// -----------------------------------------------------------------------------------
+
+VirtualServer::VirtualServer(std::filesystem::path folder, std::uint64_t seed,
+                             std::size_t overhead_bytes)
+    : folder_(std::move(folder)), random_(seed), overhead_(overhead_bytes) {
+  const server::SiteInfo info{.name = "lab", .epoch = seed + 1, .cell_size_mm = 125};
+  (void)server::SqliteStore::create(folder_ / "lab.site", info).value();
+  open();
+}
+
+void VirtualServer::open() {
+  auto store = server::SqliteStore::open(folder_ / "lab.site");
+  world_ = server::World::open(std::move(store).value(), SensorModel{}).value();
+}
+
+void VirtualServer::restart() {
+  link_.reset();
+  world_.reset();
+  staged_.clear();
+  pose_.reset();
+  open();
+}
+
+void VirtualServer::on_frame(const std::vector<std::uint8_t>& bytes, MonotonicTime now) {
+  const auto frame = proto::decode_frame(bytes, proto::Direction::up).value();
+  const auto* hello =
+      frame.records.empty() ? nullptr : std::get_if<proto::Hello>(&frame.records.front());
+  if (hello != nullptr) {
+    if (link_ && link_->boot() == hello->boot) return link_->welcome_again();
+    link_.emplace(static_cast<std::uint32_t>(random_() | 1U), *hello, world_->site().epoch,
+                  overhead_, now);
+    downlink_ = {};
+    staged_.clear();
+    return;
+  }
+  if (!link_ || link_->session() != frame.header.session) {
+    proto::FrameWriter reset({proto::Direction::down, frame.header.session, 0});
+    reset.add(proto::Reset{});
+    resets_.push_back(std::move(reset).finish());
+    return;
+  }
+  const bool idle = staged_.empty();
+  for (auto& event : link_->on_frame(frame, bytes.size(), now)) take(std::move(event));
+  if (idle && !staged_.empty()) commit_at_ = now + kCommitPeriod;
+}
+
+void VirtualServer::take(proto::ServerLink::Event event) {
+  if (const auto* pose = std::get_if<proto::PoseReport>(&event)) pose_ = *pose;
+  if (const auto* report = std::get_if<proto::CommandReport>(&event)) reports_.push_back(*report);
+  const auto* evidence = std::get_if<proto::ServerLink::Evidence>(&event);
+  if (evidence == nullptr) return;
+  auto staged = world_->stage("r1", link_->boot(), *evidence);
+  if (staged.accepted) staged_.push_back({evidence->number, std::move(staged.refusals)});
+}
+
+void VirtualServer::commit_if_due(MonotonicTime now) {
+  if (staged_.empty() || now < commit_at_) return;
+  if (!world_->commit()) return;
+  for (const Staged& staged : std::exchange(staged_, {})) {
+    for (const proto::Refusal& refusal : staged.refusals) link_->refuse(refusal);
+    if (staged.refusals.empty()) link_->durable(staged.number);
+  }
+  (void)world_->take_merged();
+}
+
+void VirtualServer::tell_of_map(MonotonicTime now) {
+  if (!link_ || !pose_ || !downlink_.should_ask(*link_, now)) return;
+  const auto& T_site_robot = pose_->T_site_robot;
+  const server::MapNeed need{link_->boot(), T_site_robot.x_mm * 1e-3, T_site_robot.y_mm * 1e-3};
+  downlink_.take(world_->offer(need, *downlink_.told()), *link_);
+}
+
+std::optional<std::vector<std::uint8_t>> VirtualServer::next_frame(MonotonicTime now) {
+  if (!resets_.empty()) {
+    auto reset = std::move(resets_.front());
+    resets_.pop_front();
+    return reset;
+  }
+  commit_if_due(now);
+  tell_of_map(now);
+  return link_ ? link_->next_frame(now) : std::nullopt;
+}
+
+// ---- Both ends
+// ------------------------------------------------------------------------------------
+
+VirtualSite::VirtualSite(const Config& config, std::filesystem::path folder)
+    : config_(config),
+      folder_(std::move(folder)),
+      up_(config.seed * 2 + 1, config.radio),
+      down_(config.seed * 2 + 2, config.radio),
+      server_(folder_, config.seed, config.overhead_bytes),
+      input_(make_input(config)),
+      instruments_(*input_),
+      carrier_(*this) {
+  start_agent();
+}
+
+void VirtualSite::restart_agent() {
+  agent_.reset();
+  spool_.reset();
+  under_way_ = false;
+  instruments_.start_at(input_->truth()->T_site_robot);
+  start_agent();
+}
+
+void VirtualSite::start_agent() {
+  agent::AgentConfig agent;
+  agent.link.robot = "r1";
+  agent.link.site = "lab";
+  agent.link.boot = ++boot_;
+  agent.driver.follower.max_speed_m_s = config_.max_speed_m_s;
+  if (config_.spool) {
+    agent::SpoolConfig spool;
+    spool.folder = folder_ / "spool";
+    spool.owner = {"r1", "lab", agent.mapper.cell_size_mm};
+    spool.coarseness = agent.mapper.coarseness;
+    spool_ = std::make_unique<agent::Spool>(spool, boot_);
+  }
+  agent_ = std::make_unique<agent::Agent>(agent, instruments_, carrier_, spool_.get());
+}
+
+Status VirtualSite::Carrier::send(const proto::Datagram& frame) {
+  std::vector<std::uint8_t> packet = frame.bytes;
+  packet.resize(packet.size() + site_.config_.overhead_bytes);
+  site_.up_.offer(std::move(packet), site_.now_);
+  return {};
+}
+
+Result<std::optional<proto::Datagram>> VirtualSite::Carrier::receive(milliseconds /*timeout*/) {
+  auto packet = site_.down_.receive(site_.now_);
+  if (!packet) return std::optional<proto::Datagram>{};
+  packet->resize(packet->size() - site_.config_.overhead_bytes);
+  return std::optional(proto::Datagram{{}, *std::move(packet)});
+}
+
+void VirtualSite::step() {
+  while (auto packet = up_.receive(now_)) {
+    packet->resize(packet->size() - config_.overhead_bytes);
+    server_.on_frame(*packet, now_);
+  }
+  order_next();
+  while (auto frame = server_.next_frame(now_)) {
+    frame->resize(frame->size() + config_.overhead_bytes);
+    down_.offer(*std::move(frame), now_);
+  }
+  if (now_ >= agent_step_) {
+    agent_step_ = now_ + kAgentPeriod;
+    (void)agent_->step(now_ - input_begun_, now_);
+  }
+  (void)agent_->exchange(now_, milliseconds(0));
+}
+
+void VirtualSite::order_next() {
+  const auto& reports = server_.reports();
+  for (; reports_seen_ < reports.size(); ++reports_seen_) {
+    const proto::CommandReport& report = reports[reports_seen_];
+    if (report.command != command_ || report.state == proto::CommandState::accepted) continue;
+    under_way_ = false;
+    if (report.state != proto::CommandState::arrived) continue;
+    next_place_ = (next_place_ + 1) % places_m_.size();
+    if (next_place_ == 0) ++rounds_;
+  }
+  if (under_way_ || places_m_.empty() || server_.link() == nullptr || !server_.pose()) return;
+  if (server_.link()->boot() != boot_) return;
+  server_.world().publish();
+  const Eigen::Vector2d goal_m = places_m_[next_place_];
+  const auto path = path_to(goal_m);
+  if (path.empty()) return;
+  proto::Command command;
+  command.id = ++command_;
+  command.kind = proto::CommandKind::go_to;
+  command.issuer = "bench";
+  command.link_timeout_ms = 5'000;
+  command.goal_x_mm = to_mm(goal_m.x());
+  command.goal_y_mm = to_mm(goal_m.y());
+  command.path_points = static_cast<std::uint16_t>(path.size());
+  server_.link()->command(command, path, kValid, now_);
+  under_way_ = true;
+}
+
+std::vector<proto::PathPart::Point> VirtualSite::path_to(const Eigen::Vector2d& goal_m) {
+  const auto& at = server_.pose()->T_site_robot;
+  const Eigen::Vector2d start_m(at.x_mm * 1e-3, at.y_mm * 1e-3);
+  const auto map = server_.world().snapshot();
+  PlannerConfig planner;
+  planner.unknown = UnknownGround::allowed;
+  auto grid =
+      server::drivable_grid(*map, {start_m, goal_m}, planner, SensorModel{}.min_probability);
+  std::vector<proto::PathPart::Point> points;
+  if (!grid) return points;
+  const Path path = plan(*grid, {.start_m = start_m, .goal_m = goal_m}, planner);
+  if (path.status != PathStatus::complete) return points;
+  for (const Eigen::Vector2d& p : path.points_m) points.push_back({to_mm(p.x()), to_mm(p.y())});
+  return points;
+}
+
+void VirtualSite::run(Duration length) {
+  (void)run_until([] { return false; }, length);
+}
+
+bool VirtualSite::run_until(const std::function<bool()>& done, Duration limit) {
+  for (const MonotonicTime end = now_ + limit; now_ < end; now_ += kTick) {
+    if (done()) return true;
+    step();
+  }
+  return done();
+}
+
+void VirtualSite::set_radio(const test::ChannelConfig& radio) {
+  up_.set(radio);
+  down_.set(radio);
+}
+
+VirtualSite::Bytes VirtualSite::bytes() const {
+  return {up_.counters().offered.bytes, down_.counters().offered.bytes};
+}
+
+}  // namespace cairn::bench

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "proto/carrier.h"
+#include "robot_agent/pipeline/agent.h"
+#include "server/link/downlink.h"
+#include "server/world/world.h"
+#include "tests/support/link_emulator/channel.h"
+
+namespace cairn::bench {
+
+/// The server of one site and one robot, without threads: its world and store are the real ones.
+class VirtualServer {
+ public:
+  VirtualServer(std::filesystem::path folder, std::uint64_t seed, std::size_t overhead_bytes);
+
+  void on_frame(const std::vector<std::uint8_t>& bytes, MonotonicTime now);
+  std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
+  /// kill -9 and a start: sessions and what was not committed are gone.
+  void restart();
+
+  [[nodiscard]] proto::ServerLink* link() { return link_ ? &*link_ : nullptr; }
+  [[nodiscard]] server::World& world() { return *world_; }
+  [[nodiscard]] const std::optional<proto::PoseReport>& pose() const { return pose_; }
+  [[nodiscard]] const std::vector<proto::CommandReport>& reports() const { return reports_; }
+
+ private:
+  void open();
+  void take(proto::ServerLink::Event event);
+  void commit_if_due(MonotonicTime now);
+  void tell_of_map(MonotonicTime now);
+
+  std::filesystem::path folder_;
+  std::mt19937_64 random_;
+  std::size_t overhead_;
+  std::unique_ptr<server::World> world_;
+  std::optional<proto::ServerLink> link_;
+  server::Downlink downlink_;
+  std::deque<std::vector<std::uint8_t>> resets_;
+  struct Staged {
+    std::uint32_t number = 0;
+    std::vector<proto::Refusal> refusals;
+  };
+  std::vector<Staged> staged_;  ///< Since the last commit.
+  MonotonicTime commit_at_{};
+  std::optional<proto::PoseReport> pose_;
+  std::vector<proto::CommandReport> reports_;
+};
+
+/// A simulated robot with the whole agent, a server and the emulator's channels between them, in
+/// virtual time: minutes of a patrol in seconds, and every frame the same for the same seed.
+class VirtualSite {
+ public:
+  struct Config {
+    std::string world = "room";
+    std::uint64_t seed = 1;
+    test::ChannelConfig radio;
+    std::size_t overhead_bytes = 52;  ///< Of udp://; dds:// has 92.
+    double max_speed_m_s = 0.6;
+    bool spool = false;
+  };
+  VirtualSite(const Config& config, std::filesystem::path folder);
+
+  /// Drives from place to place, round and round, as the server's orders say.
+  void patrol(std::vector<Eigen::Vector2d> places_m) { places_m_ = std::move(places_m); }
+  void stay() { places_m_.clear(); }
+  void run(Duration length);
+  /// False when `done` did not come true in time.
+  bool run_until(const std::function<bool()>& done, Duration limit);
+
+  void set_radio(const test::ChannelConfig& radio);
+  void restart_server() { server_.restart(); }
+  /// kill -9 and a start of the agent where the robot stands.
+  void restart_agent();
+
+  [[nodiscard]] agent::Agent& agent() { return *agent_; }
+  [[nodiscard]] VirtualServer& server() { return server_; }
+  [[nodiscard]] MonotonicTime now() const { return now_; }
+  [[nodiscard]] agent::Truth truth() const { return *input_->truth(); }
+  [[nodiscard]] int rounds() const { return rounds_; }
+  struct Bytes {
+    std::uint64_t up = 0;
+    std::uint64_t down = 0;
+  };
+  /// Offered to the link, headers included.
+  [[nodiscard]] Bytes bytes() const;
+
+ private:
+  /// The robot's end of the channels.
+  class Carrier : public proto::Carrier {
+   public:
+    explicit Carrier(VirtualSite& site) : site_(site) {}
+    Status send(const proto::Datagram& frame) override;
+    Result<std::optional<proto::Datagram>> receive(std::chrono::milliseconds timeout) override;
+    [[nodiscard]] std::size_t overhead_bytes() const override {
+      return site_.config_.overhead_bytes;
+    }
+
+   private:
+    VirtualSite& site_;
+  };
+
+  /// The robot's instruments, for an agent that begins while they run: somebody tells it where.
+  class Instruments : public agent::Input {
+   public:
+    explicit Instruments(agent::Input& input) : input_(input), start_(input.start()) {}
+    void start_at(const Pose& T_site_robot) { start_ = T_site_robot; }
+    [[nodiscard]] const std::vector<LaserSpec>& lasers() const override { return input_.lasers(); }
+    [[nodiscard]] Pose start() const override { return start_; }
+    Result<std::vector<agent::Reading>> advance(MonotonicTime until) override {
+      return input_.advance(until);
+    }
+    [[nodiscard]] bool finished() const override { return input_.finished(); }
+    [[nodiscard]] std::optional<MonotonicTime> next_stamp() const override {
+      return input_.next_stamp();
+    }
+    void drive(const agent::DriveCommand& command) override { input_.drive(command); }
+    [[nodiscard]] bool can_drive() const override { return input_.can_drive(); }
+    [[nodiscard]] std::optional<agent::Truth> truth() const override { return input_.truth(); }
+
+   private:
+    agent::Input& input_;
+    Pose start_;
+  };
+
+  void start_agent();
+  void step();
+  void order_next();
+  [[nodiscard]] std::vector<proto::PathPart::Point> path_to(const Eigen::Vector2d& goal_m);
+
+  Config config_;
+  std::filesystem::path folder_;
+  test::Channel up_;
+  test::Channel down_;
+  VirtualServer server_;
+  std::unique_ptr<agent::Input> input_;
+  Instruments instruments_;
+  Carrier carrier_;
+  std::unique_ptr<agent::Spool> spool_;
+  std::unique_ptr<agent::Agent> agent_;
+  MonotonicTime now_ = std::chrono::seconds(100);
+  MonotonicTime input_begun_ = std::chrono::seconds(100);
+  MonotonicTime agent_step_{};
+  std::vector<Eigen::Vector2d> places_m_;
+  std::size_t next_place_ = 0;
+  std::uint64_t command_ = 0;
+  bool under_way_ = false;
+  std::size_t reports_seen_ = 0;
+  int rounds_ = 0;
+  std::uint64_t boot_ = 0;
+};
+
+}  // namespace cairn::bench
