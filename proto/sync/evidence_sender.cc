@@ -337,6 +337,11 @@ bool EvidenceSender::synchronised() const {
   });
 }
 
+std::uint32_t EvidenceSender::held_up_to() const {
+  const bool none = submaps_.empty() || submaps_.begin()->first >= kFirstBorrowedSequence;
+  return none ? last_sequence_ : submaps_.begin()->first - 1;
+}
+
 std::size_t EvidenceSender::backlog_blocks() const {
   std::size_t blocks = 0;
   for (const auto& [sequence, outgoing] : submaps_) {

@@ -98,6 +98,8 @@ class EvidenceSender {
   /// counts as held either.
   void on_session(bool forget_acked);
 
+  /// The server holds all of this boot's submaps up to this sequence, except dropped ones.
+  [[nodiscard]] std::uint32_t held_up_to() const;
   [[nodiscard]] bool has_news() const;               ///< `fill` would add something.
   [[nodiscard]] bool synchronised() const;           ///< The peer holds everything.
   [[nodiscard]] std::size_t backlog_blocks() const;  ///< Blocks not acknowledged at their newest.

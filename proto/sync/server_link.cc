@@ -8,8 +8,8 @@
 namespace cairn::proto {
 namespace {
 
-bool elicits_ack(const ServerLink::Evidence& evidence, bool reports) {
-  return reports || !evidence.heads.empty() || !evidence.blocks.empty();
+bool elicits_ack(const ServerLink::Evidence& evidence, bool others) {
+  return others || !evidence.heads.empty() || !evidence.blocks.empty();
 }
 
 bool same_block(const Refusal& a, const Refusal& b) {
@@ -48,7 +48,7 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
 
   std::vector<Event> events;
   Evidence evidence{.number = number, .heads = {}, .blocks = {}, .earlier = {}};
-  bool reports = false;
+  bool asks = false;  ///< For an acknowledgement, beside evidence.
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
     if (const auto* head = std::get_if<SubmapHead>(&record)) evidence.heads.push_back(*head);
@@ -57,13 +57,17 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
       if (take(*pose, now)) events.emplace_back(*pose);
     }
     if (const auto* spool = std::get_if<SpoolReport>(&record)) events.emplace_back(*spool);
+    if (const auto* digest = std::get_if<MapDigest>(&record)) {
+      asks = true;
+      events.emplace_back(*digest);
+    }
     if (const auto* report = std::get_if<CommandReport>(&record)) {
-      reports = true;
+      asks = true;
       if (take(*report, number)) events.emplace_back(*report);
     }
   }
   if (!read_patches(frame, evidence.blocks) || !name_earlier(evidence)) return events;
-  const bool eager = elicits_ack(evidence, reports);
+  const bool eager = elicits_ack(evidence, asks);
   if (!evidence.heads.empty() || !evidence.blocks.empty()) {
     events.emplace_back(std::move(evidence));
   } else {
@@ -113,7 +117,8 @@ void ServerLink::count(const Frame& frame, std::size_t bytes) {
   for (const Record& record : frame.records) {
     if (std::holds_alternative<PoseReport>(record)) kind = std::max(kind, Traffic::pose);
     if (std::holds_alternative<SubmapHead>(record) ||
-        std::holds_alternative<EvidencePatch>(record)) {
+        std::holds_alternative<EvidencePatch>(record) ||
+        std::holds_alternative<MapDigest>(record)) {
       kind = Traffic::map;
     }
   }

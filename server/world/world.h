@@ -83,6 +83,11 @@ class World {
   /// and tiles that others changed, nearest first. Only what is merged.
   [[nodiscard]] PreparedOffer offer(const MapNeed& need, const ToldMap& told) const;
 
+  /// A robot's digests against the merged map. What cannot be compared now, because a submap of the
+  /// robot's is in one map and not in the other, is left out.
+  [[nodiscard]] std::vector<ComparedTile> compare(std::uint64_t boot,
+                                                  const proto::MapDigest& digest) const;
+
   /// A number that has never been used in this site, durable before it is returned.
   Result<std::uint64_t> next_command_id();
 

@@ -157,8 +157,8 @@ void measure_mapping(Report& report) {
 /// Round and round in a room that an earlier run of the agent mapped.
 void measure_patrol(Report& report) {
   const std::vector<std::string> robot{"--world", "room", "--site", "lab"};
-  const std::vector<std::string> round{"goto", "10.5,2.5", "10.5,10.5", "2.5,10.5", "2.5,2.5",
-                                       "--loop", "--expires", "3600"};
+  const std::vector<std::string> round{"goto",    "10.5,2.5", "10.5,10.5", "2.5,10.5",
+                                       "2.5,2.5", "--loop",   "--expires", "3600"};
   for (const CarrierKind carrier : {CarrierKind::udp, CarrierKind::dds}) {
     const auto site = start(11, carrier, radio(64'000, 0.0), robot);
     if (!site || !known(*site)) continue;

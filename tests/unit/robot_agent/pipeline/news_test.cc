@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/submap.h"
+
 namespace cairn::agent {
 namespace {
 
