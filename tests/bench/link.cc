@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/link_convergence.h"
 #include "tests/bench/link_virtual.h"
 #include "tests/bench/report.h"
 #include "tests/support/emulated_site.h"
@@ -229,6 +230,23 @@ void measure_outage(const Options& options, Report& report) {
   }
 }
 
+void measure_staleness(Report& report) {
+  std::vector<double> mean_s;
+  for (const double loss : {0.0, 0.2}) {
+    VirtualLink link(41, radio(64'000, loss), kUdpOverhead);
+    link.run(5s);
+    mean_s.push_back(link.mean_staleness_s(1000s));
+    report.add({.name = "age of the server's copy, 64 kbit/s, loss " +
+                        std::to_string(static_cast<int>(loss * 100)) + " %",
+                .value = mean_s.back(),
+                .unit = "s"});
+  }
+  report.add({.name = "the same, above loss-free",
+              .value = mean_s.back() - mean_s.front(),
+              .unit = "s",
+              .goal = 0.15});
+}
+
 Options parse(int argc, char** argv) {
   Options options;
   for (int i = 1; i + 1 < argc; i += 2) {
@@ -251,6 +269,8 @@ int main(int argc, char** argv) {
   };
   part("stops", [&] { measure_stops(options, report); });
   part("outage", [&] { measure_outage(options, report); });
+  part("staleness", [&] { measure_staleness(report); });
+  part("convergence", [&] { cairn::bench::measure_convergence(report); });
   part("contact", [&] { measure_first_contact(options, report); });
   part("standing", [&] { measure_standing(report); });
   part("mapping", [&] { measure_mapping(report); });

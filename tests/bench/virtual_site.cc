@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/common/angle.h"
 #include "core/planner/plan.h"
 #include "robot_agent/input/simulator.h"
 #include "server/mission/planning.h"
@@ -92,9 +93,45 @@ void VirtualSite::step() {
   }
   if (now_ >= agent_step_) {
     agent_step_ = now_ + kAgentPeriod;
+    steer();
     (void)agent_->step(now_ - input_begun_, now_);
   }
   (void)agent_->exchange(now_, milliseconds(0));
+}
+
+void VirtualSite::steer_along(std::vector<Eigen::Vector2d> places_m) {
+  steer_to_m_.assign(places_m.begin(), places_m.end());
+  instruments_.steered = true;
+}
+
+void VirtualSite::steer() {
+  if (!instruments_.steered) return;
+  const Pose at = input_->truth()->T_site_robot;
+  while (!steer_to_m_.empty() &&
+         (steer_to_m_.front() - Eigen::Vector2d(at.x_m, at.y_m)).norm() < 0.2) {
+    steer_to_m_.pop_front();
+  }
+  if (steer_to_m_.empty()) return input_->drive({});
+  const Eigen::Vector2d way = steer_to_m_.front() - Eigen::Vector2d(at.x_m, at.y_m);
+  const double turn_rad = wrap_angle(std::atan2(way.y(), way.x()) - at.yaw_rad);
+  const bool ahead = std::abs(turn_rad) < 0.4;
+  input_->drive({ahead ? config_.max_speed_m_s : 0.0, std::clamp(2.0 * turn_rad, -0.8, 0.8)});
+}
+
+bool VirtualSite::in_step() {
+  if (!agent_->delivered() || server_.link() == nullptr || !server_.link()->map().idle()) {
+    return false;
+  }
+  server_.world().publish();
+  const auto held = server_.world().snapshot();
+  const HeightMap& map = agent_->mapper().replica().now();
+  const auto known = std::ranges::count_if(
+      map.tiles(), [](const auto& entry) { return entry.second->known_count() > 0; });
+  return static_cast<std::size_t>(known) == held->tiles.size() &&
+         std::ranges::all_of(held->tiles, [&](const auto& entry) {
+           const Tile* own = map.find(entry.first);
+           return own != nullptr && *own == entry.second->unpack();
+         });
 }
 
 void VirtualSite::order_next() {

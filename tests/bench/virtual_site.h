@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -34,7 +35,10 @@ class VirtualSite {
 
   /// Drives from place to place, round and round, as the server's orders say.
   void patrol(std::vector<Eigen::Vector2d> places_m) { places_m_ = std::move(places_m); }
-  void stay() { places_m_.clear(); }
+  /// Somebody who sees the robot steers it from place to place, once: what it maps does not hang
+  /// on the link.
+  void steer_along(std::vector<Eigen::Vector2d> places_m);
+  [[nodiscard]] bool steering() const { return !steer_to_m_.empty(); }
   void run(Duration length);
   /// False when `done` did not come true in time.
   bool run_until(const std::function<bool()>& done, Duration limit);
@@ -49,6 +53,8 @@ class VirtualSite {
   [[nodiscard]] MonotonicTime now() const { return now_; }
   [[nodiscard]] agent::Truth truth() const { return *input_->truth(); }
   [[nodiscard]] int rounds() const { return rounds_; }
+  /// The server has all evidence, and both maps are the same to the bit.
+  [[nodiscard]] bool in_step();
   struct Bytes {
     std::uint64_t up = 0;
     std::uint64_t down = 0;
@@ -85,9 +91,12 @@ class VirtualSite {
     [[nodiscard]] std::optional<MonotonicTime> next_stamp() const override {
       return input_.next_stamp();
     }
-    void drive(const agent::DriveCommand& command) override { input_.drive(command); }
+    void drive(const agent::DriveCommand& command) override {
+      if (!steered) input_.drive(command);
+    }
     [[nodiscard]] bool can_drive() const override { return input_.can_drive(); }
     [[nodiscard]] std::optional<agent::Truth> truth() const override { return input_.truth(); }
+    bool steered = false;  ///< By somebody else.
 
    private:
     agent::Input& input_;
@@ -96,6 +105,7 @@ class VirtualSite {
 
   void start_agent();
   void step();
+  void steer();
   void order_next();
   [[nodiscard]] std::vector<proto::PathPart::Point> path_to(const Eigen::Vector2d& goal_m);
 
@@ -114,6 +124,7 @@ class VirtualSite {
   MonotonicTime agent_step_{};
   std::vector<Eigen::Vector2d> places_m_;
   std::size_t next_place_ = 0;
+  std::deque<Eigen::Vector2d> steer_to_m_;
   std::uint64_t command_ = 0;
   bool under_way_ = false;
   std::size_t reports_seen_ = 0;
