@@ -46,7 +46,7 @@ Outcome drive(const Misfortune& misfortune) {
   site.run(misfortune.at);
   misfortune.event(site);
   (void)site.run_until([&] { return !site.steering(); }, 300s);
-  site.agent().finish();
+  site.finish();
   const MonotonicTime ended = site.now();
   const std::uint64_t up = site.bytes().up;
   Outcome outcome;

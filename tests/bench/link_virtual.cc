@@ -139,11 +139,13 @@ VirtualLink::Recovery VirtualLink::outage(Duration length, int changes) {
 
 double VirtualLink::mean_staleness_s(Duration length) {
   constexpr CellIndex kCell{3, 3};
-  const MonotonicTime begun = now_;
+  const MonotonicTime end = now_ + length;
+  std::vector<MonotonicTime> written;
   std::uint32_t sequence = 0;
   double sum_s = 0.0;
   int samples = 0;
-  for (int value = 1; now_ < begun + length; ++value) {
+  for (int value = 1; now_ < end; ++value) {
+    written.push_back(now_);
     proto::EvidenceSender& evidence = robot_.evidence();
     if (evidence.open_submap() == nullptr) sequence = evidence.begin(0xB007, {}, 125).id.sequence;
     (void)evidence.open_submap()->surface.set(kCell, {value, 200});
@@ -152,7 +154,7 @@ double VirtualLink::mean_staleness_s(Duration length) {
     const auto held = server_.store.find(sequence);
     const int there = held == server_.store.end() ? 0 : held->second.surface.cell(kCell).height_mm;
     if (there == 0) continue;
-    sum_s += to_seconds(now_ - (begun + (there - 1) * milliseconds(100)));
+    sum_s += to_seconds(now_ - written[static_cast<std::size_t>(there - 1)]);
     ++samples;
   }
   return samples == 0 ? -1.0 : sum_s / samples;

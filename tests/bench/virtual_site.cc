@@ -91,7 +91,7 @@ void VirtualSite::step() {
     frame->resize(frame->size() + config_.overhead_bytes);
     down_.offer(*std::move(frame), now_);
   }
-  if (now_ >= agent_step_) {
+  if (now_ >= agent_step_ && !finished_) {
     agent_step_ = now_ + kAgentPeriod;
     steer();
     (void)agent_->step(now_ - input_begun_, now_);
@@ -176,6 +176,11 @@ std::vector<proto::PathPart::Point> VirtualSite::path_to(const Eigen::Vector2d& 
   if (path.status != PathStatus::complete) return points;
   for (const Eigen::Vector2d& p : path.points_m) points.push_back({to_mm(p.x()), to_mm(p.y())});
   return points;
+}
+
+void VirtualSite::finish() {
+  agent_->finish();
+  finished_ = true;
 }
 
 void VirtualSite::run(Duration length) {

@@ -39,6 +39,8 @@ class VirtualSite {
   /// on the link.
   void steer_along(std::vector<Eigen::Vector2d> places_m);
   [[nodiscard]] bool steering() const { return !steer_to_m_.empty(); }
+  /// The robot sees nothing more: its last submap is closed.
+  void finish();
   void run(Duration length);
   /// False when `done` did not come true in time.
   bool run_until(const std::function<bool()>& done, Duration limit);
@@ -129,6 +131,7 @@ class VirtualSite {
   bool under_way_ = false;
   std::size_t reports_seen_ = 0;
   int rounds_ = 0;
+  bool finished_ = false;
   std::uint64_t boot_ = 0;
 };
 

@@ -10,7 +10,12 @@ using std::chrono::seconds;
 class DownlinkTest : public ::testing::Test {
  protected:
   static constexpr TileKey kTile{0, 1, 2};
-  proto::ServerLink link{1, {.robot = "rover", .site = "lab", .boot = 7}, 1, 28, seconds(1)};
+  static proto::MapDigest digest(bool last) {
+    proto::MapDigest digest;
+    digest.last = last;
+    return digest;
+  }
+  proto::ServerLink link{1, {"rover", "lab", 7, 125, 0}, 1, 28, seconds(1)};
   Downlink downlink;
   MonotonicTime now = seconds(1);
 };
@@ -23,10 +28,10 @@ TEST_F(DownlinkTest, WaitsForTheRobotsFirstWordButNotForEver) {
 
 TEST_F(DownlinkTest, AsksOnceAllThatTheRobotHoldsIsCompared) {
   EXPECT_FALSE(downlink.should_ask(link, now));
-  downlink.hear({.last = false}, now);
+  downlink.hear(digest(false), now);
   downlink.take(std::vector<ComparedTile>{});
   EXPECT_FALSE(downlink.should_ask(link, now + Downlink::kFirstWord));
-  downlink.hear({.last = true}, now);
+  downlink.hear(digest(true), now);
   EXPECT_FALSE(downlink.should_ask(link, now));
   downlink.take({{kTile, true, 5}});
   EXPECT_TRUE(downlink.should_ask(link, now));
@@ -35,24 +40,24 @@ TEST_F(DownlinkTest, AsksOnceAllThatTheRobotHoldsIsCompared) {
 
 TEST_F(DownlinkTest, DoesNotWaitForTheLastWordForEver) {
   EXPECT_FALSE(downlink.should_ask(link, now));
-  downlink.hear({.last = false}, now);
+  downlink.hear(digest(false), now);
   downlink.take(std::vector<ComparedTile>{});
   EXPECT_TRUE(downlink.should_ask(link, now + Downlink::kNextWord));
 }
 
 TEST_F(DownlinkTest, NotesATileThatDiffersAlthoughItWasTold) {
-  downlink.hear({}, now);
+  downlink.hear(digest(false), now);
   downlink.take({{kTile, true, 5}});
-  downlink.hear({}, now);
+  downlink.hear(digest(false), now);
   downlink.take({{kTile, false, 5}});
   EXPECT_TRUE(downlink.told()->differs.contains(kTile));
-  downlink.hear({}, now);
+  downlink.hear(digest(false), now);
   downlink.take({{kTile, true, 5}});
   EXPECT_FALSE(downlink.told()->differs.contains(kTile));
 }
 
 TEST_F(DownlinkTest, ATileWithNewsIsToldAnyway) {
-  downlink.hear({}, now);
+  downlink.hear(digest(false), now);
   downlink.take({{kTile, false, 5}});
   EXPECT_TRUE(downlink.told()->differs.empty());
   EXPECT_FALSE(downlink.told()->stamps.contains(kTile));
