@@ -3,101 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/evidence_frames.h"
-#include "tests/unit/robot_agent/pipeline/scene.h"
+#include "tests/unit/robot_agent/pipeline/mapping_robot.h"
 
 namespace cairn::agent {
 namespace {
 
+using namespace testing;  // NOLINT: the robot and its world
 using proto::testing::delivered;
-using std::chrono::milliseconds;
-using testing::box;
-using testing::Scene;
-
-constexpr std::uint64_t kBoot = 77;
-constexpr double kSpeed_m_s = 0.5;
-constexpr Duration kPeriod = milliseconds(50);
-
-/// The ATRV-Jr with perfect instruments in a scene.
-class MappingRobot {
- public:
-  explicit MappingRobot(MapperConfig config = {}, Pose start = {},
-                        std::vector<LaserSpec> lasers = atrv_jr_lasers())
-      : scene{.boxes = {}, .ground_m = start.z_m},
-        lasers_(std::move(lasers)),
-        mapper(config, lasers_, start, kBoot, evidence) {
-    reading_.odometer_yaw_rad = start.yaw_rad;
-    mapper.take_motion(reading_);
-  }
-
-  Scene scene;
-
- private:
-  std::vector<LaserSpec> lasers_;
-  MotionReading reading_;
-
- public:
-  proto::EvidenceSender evidence;
-  Mapper mapper;
-
-  void look() {
-    for (std::size_t i = 0; i < lasers_.size(); ++i) {
-      mapper.take_scan(scene.scan(lasers_[i], i, mapper.pose(), reading_.stamp));
-    }
-  }
-  void forward(double way_m) {
-    const int steps = static_cast<int>(std::lround(way_m / (kSpeed_m_s * to_seconds(kPeriod))));
-    for (int i = 0; i < steps; ++i) move(kSpeed_m_s, 0.0, i % 4 == 3);
-  }
-  void roll_blindly(double way_m) {
-    const int steps = static_cast<int>(std::lround(way_m / (kSpeed_m_s * to_seconds(kPeriod))));
-    for (int i = 0; i < steps; ++i) move(kSpeed_m_s, 0.0, false);
-  }
-  void stand(int readings) {
-    for (int i = 0; i < readings; ++i) move(0.0, 0.0, false);
-  }
-  void turn(double angle_rad) {
-    const double rate = angle_rad < 0.0 ? -0.5 : 0.5;
-    const int steps = static_cast<int>(std::lround(angle_rad / (rate * to_seconds(kPeriod))));
-    for (int i = 0; i < steps; ++i) move(0.0, rate, i % 4 == 3);
-    move(0.0, 0.0, true);
-  }
-
-  /// The cell at a place.
-  [[nodiscard]] Cell at(double x_m, double y_m) const {
-    const double cell_m = mapper.cell_size_mm() / 1000.0;
-    return mapper.cell({static_cast<std::int32_t>(std::floor(x_m / cell_m)),
-                        static_cast<std::int32_t>(std::floor(y_m / cell_m))});
-  }
-
- private:
-  void move(double speed_m_s, double turn_rad_s, bool look_too) {
-    const double way_m = speed_m_s * to_seconds(kPeriod);
-    reading_.stamp += kPeriod;
-    reading_.odometer_x_m += way_m * std::cos(reading_.odometer_yaw_rad);
-    reading_.odometer_y_m += way_m * std::sin(reading_.odometer_yaw_rad);
-    reading_.odometer_yaw_rad =
-        wrap_angle(reading_.odometer_yaw_rad + turn_rad_s * to_seconds(kPeriod));
-    reading_.gyro_yaw_rate_rad_s = turn_rad_s;
-    mapper.take_motion(reading_);
-    if (look_too) look();
-  }
-};
 
 /// A blind robot: only its wheels know the ground.
 std::vector<LaserSpec> no_lasers() { return {}; }
-
-MapperConfig short_submaps() {
-  MapperConfig config;
-  config.submap_distance_m = 0.4;
-  return config;
-}
-
-HeightMap fold_of(const std::map<std::uint32_t, Submap>& submaps) {
-  HeightMap site(125);
-  for (const auto& [sequence, submap] : submaps) (void)fold(site, submap, SensorModel{});
-  return site;
-}
 
 // ---- Heights ------------------------------------------------------------------------------------
 
@@ -371,99 +286,6 @@ TEST(Mapper, ForgetsAPersonWhoPassed) {
     const Cell cell = site.cell(site.cell_at(3.05, y_m));
     EXPECT_TRUE(!cell.known() || cell.height_mm < 50) << y_m << ": " << cell.height_mm;
   }
-}
-
-// ---- Known ground -------------------------------------------------------------------------------
-
-int known_cells(const std::map<std::uint32_t, Submap>& submaps, std::uint32_t after) {
-  int cells = 0;
-  for (const auto& [sequence, submap] : submaps) {
-    if (sequence <= after) continue;
-    for (const auto& [key, tile] : submap.surface.tiles()) cells += tile->known_count();
-    for (const auto& [key, tile] : submap.seen_through.tiles()) cells += tile->known_count();
-  }
-  return cells;
-}
-
-/// A box and a wall that an earlier run mapped well; this one is given that map.
-struct OnAGivenMap : public ::testing::Test {
-  MapperConfig config = short_submaps();
-  MappingRobot before{config};
-  MappingRobot robot{config};
-  HeightMap given{125};
-  int told_before = 0;      ///< [cells]
-  std::uint32_t first = 0;  ///< Submap that was open when the map came.
-  static constexpr CellIndex kBoxCell{32, 0};
-
-  OnAGivenMap() {
-    before.scene.boxes = {box(4.0, 4.5, -0.5, 0.5, 0.6), box(-3.0, 8.0, 2.5, 3.0, 1.0)};
-    for (int i = 0; i < 8; ++i) {
-      before.forward(0.4);
-      for (int look = 0; look < 10; ++look) before.look();
-    }
-    before.mapper.finish();
-    const auto told = delivered(before.evidence, 125);
-    told_before = known_cells(told, 0);
-    given = fold_of(told);
-    robot.scene = before.scene;
-    std::vector<GivenTile> tiles;
-    for (const auto& [key, tile] : given.tiles()) tiles.push_back({key, *tile, 0});
-    robot.mapper.take_tiles(tiles);
-    robot.forward(0.5);
-    first = robot.mapper.open_submap()->id.sequence - 1;
-  }
-  void look_around() {
-    for (int i = 0; i < 6; ++i) {
-      robot.forward(0.3);
-      for (int look = 0; look < 15; ++look) robot.look();
-    }
-    robot.mapper.finish();
-  }
-  /// The long-term map with all that was told since.
-  HeightMap site() {
-    HeightMap site = given;
-    for (const auto& [sequence, submap] : delivered(robot.evidence, 125)) {
-      (void)fold(site, submap, SensorModel{});
-    }
-    return site;
-  }
-};
-
-TEST_F(OnAGivenMap, HardlyAnythingIsTold) {
-  look_around();
-  const int told = known_cells(delivered(robot.evidence, 125), first);
-  EXPECT_LT(told, told_before / 30) << told_before;
-}
-
-TEST_F(OnAGivenMap, WhatStandsStaysOnIt) {
-  look_around();
-  const Cell after = site().cell(kBoxCell);
-  EXPECT_GT(after.probability, 200);
-  EXPECT_NEAR(after.height_mm, given.cell(kBoxCell).height_mm, 30);
-}
-
-TEST_F(OnAGivenMap, WhatWasTakenAwayIsUnlearned) {
-  robot.scene.boxes.erase(robot.scene.boxes.begin());
-  look_around();
-  const Cell after = site().cell(kBoxCell);
-  EXPECT_TRUE(!after.known() || after.height_mm < 50) << after.height_mm;
-}
-
-TEST_F(OnAGivenMap, WhatIsNewIsToldAtOnce) {
-  robot.scene.boxes.push_back(box(3.0, 3.5, -1.5, -1.0, 0.6));
-  for (int look = 0; look < 4; ++look) robot.look();
-  bool told = false;
-  for (const auto& [sequence, submap] : delivered(robot.evidence, 125)) {
-    for (int x = 24; x < 28; ++x) told = told || submap.surface.cell({x, -9}).height_mm > 300;
-  }
-  EXPECT_TRUE(told);
-}
-
-TEST_F(OnAGivenMap, ASubmapWithoutNewsLeavesNoTrace) {
-  const std::uint32_t open = robot.mapper.open_submap()->id.sequence;
-  robot.roll_blindly(1.0);
-  EXPECT_EQ(robot.mapper.open_submap()->id.sequence, open);
-  EXPECT_EQ(robot.mapper.replica().find(open), nullptr);
 }
 
 }  // namespace
