@@ -144,7 +144,7 @@ void Agent::take_map() {
 }
 
 void Agent::compare_maps(MonotonicTime clock) {
-  constexpr std::size_t kSome = 6;
+  constexpr std::size_t kSome = 5;  // A parked robot stays below 100 bit/s.
   const proto::RobotLink::DigestWish wish = link_.digest_wish(clock);
   if (wish == proto::RobotLink::DigestWish::none) return;
   auto digests = mapper_.replica().digests(link_.evidence().held_up_to());
