@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <iostream>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -19,6 +20,7 @@
 #include "robot_agent/input/carmen_log.h"
 #include "robot_agent/input/simulator.h"
 #include "robot_agent/pipeline/agent.h"
+#include "robot_agent/pipeline/detail.h"
 
 namespace {
 
@@ -43,6 +45,10 @@ struct Options {
   double link_min_kbit = cairn::proto::BudgetConfig{}.floor_bit_s * 1e-3;
   double link_max_kbit = cairn::proto::BudgetConfig{}.ceiling_bit_s * 1e-3;
   double pose_period_s = 1.0;
+  std::string detail = "full";
+  std::optional<int> height_step_mm;
+  std::optional<int> probability_levels;
+  std::optional<double> evidence_period_s;
   std::string spool;
   std::uint64_t spool_mb = 256;
   std::string robot = "robot";
@@ -105,6 +111,21 @@ void describe(CLI::App& app, Options& options) {
                  "How often it tells its pose while it moves [s]")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
+  app.add_option("--detail", options.detail,
+                 "How finely the map is told: full (10 mm, 16 levels of probability, each second) "
+                 "or radio, for the thinnest links (10 mm, 4 levels, each 5 s)")
+      ->check(CLI::IsMember({"full", "radio"}))
+      ->capture_default_str();
+  app.add_option("--height-step-mm", options.height_step_mm,
+                 "Other than --detail has it: heights are told in these steps, and again when they "
+                 "moved by one [mm]")
+      ->check(CLI::Range(1, 255));
+  app.add_option("--probability-levels", options.probability_levels,
+                 "Other than --detail has it: levels of probability that are told apart")
+      ->check(CLI::Range(2, cairn::kMaxLevels));
+  app.add_option("--evidence-period-s", options.evidence_period_s,
+                 "Other than --detail has it: how often at most what changed is told [s]")
+      ->check(CLI::Range(0.05, 600.0));
   app.add_option("--spool", options.spool,
                  "Keep evidence in this folder until the server holds it, also beyond the end of "
                  "this agent; the next one with the same folder, --robot and --site delivers it");
@@ -139,6 +160,15 @@ void describe(CLI::App& app, Options& options) {
       ->capture_default_str();
 }
 
+cairn::agent::Detail detail_of(const Options& options) {
+  cairn::agent::Detail detail = cairn::agent::detail_named(options.detail).value();
+  auto& [coarseness, period_s] = detail;
+  coarseness.quantum_mm = options.height_step_mm.value_or(coarseness.quantum_mm);
+  coarseness.levels = options.probability_levels.value_or(coarseness.levels);
+  period_s = options.evidence_period_s.value_or(period_s);
+  return detail;
+}
+
 cairn::agent::AgentConfig config_of(const Options& options) {
   cairn::agent::AgentConfig config;
   std::random_device random;
@@ -149,6 +179,9 @@ cairn::agent::AgentConfig config_of(const Options& options) {
   config.link.pose_period = cairn::from_seconds(options.pose_period_s);
   config.link.boot = (std::uint64_t{random()} << 32) | random();
   config.link.cell_size_mm = options.cell_mm;
+  const cairn::agent::Detail detail = detail_of(options);
+  config.mapper.coarseness = detail.coarseness;
+  config.link.evidence_period = cairn::from_seconds(detail.period_s);
   if (!options.replay.empty()) config.link.evidence_period = 50ms;  // Logs run faster than time.
   config.mapper.cell_size_mm = options.cell_mm;
   config.mapper.start_known = !options.start_unknown;
@@ -336,8 +369,9 @@ Status run(const Options& options) {
   Status result = options.replay.empty() ? run_live(agent, spool.get(), options.speed)
                                          : run_replay(agent, spool.get(), **input);
   const auto& counters = agent.link().counters();
-  spdlog::info("link: {} bytes up, {} bytes down, {} frames lost", counters.bytes_sent,
-               counters.bytes_received, counters.frames_lost);
+  spdlog::info("link: {} bytes up, {} bytes down, {} frames lost, {} corridors of the field",
+               counters.bytes_sent, counters.bytes_received, counters.frames_lost,
+               agent.corridors());
   agent.say_goodbye();
   return result;
 }

@@ -115,10 +115,16 @@ void Server::listen(std::vector<std::unique_ptr<proto::Carrier>> carriers) {
   listener.reported = [weak](Robot& robot, const proto::CommandReport& report) {
     if (const auto self = weak.lock()) self->mission_->reported(robot, report);
   };
+  listener.asked = [weak](Robot& robot, const proto::CorridorRequest& request) {
+    if (const auto self = weak.lock()) self->mission_->asked(robot, request);
+  };
   hub_ = std::make_shared<Hub>(control_, std::move(carriers), std::move(listener), config_.budget);
   mission_ = std::make_shared<Mission>(control_, executor_, hub_, config_.mission);
+  asio::post(control_, [mission = mission_, sites = all_sites()] {
+    for (const std::shared_ptr<Site>& site : sites) mission->restore(*site);
+    mission->start();
+  });
   hub_->start();
-  asio::post(control_, [mission = mission_] { mission->start(); });
 }
 
 void Server::stop() {

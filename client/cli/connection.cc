@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-#include "core/map/packed_tile.h"
+#include "proto/codec/tile_snapshot.h"
 #include "proto/json/envelope.h"
 
 namespace cairn::cli {
@@ -199,7 +199,7 @@ Result<SiteMap> Connection::map(const std::optional<std::string>& site) {
     const auto tile_head = api::read_tile_head(bytes);
     if (!tile_head || tile_head->request != last_request_) return corrupt;
     const std::vector<std::uint8_t> body(bytes.begin() + api::TileHead::kBytes, bytes.end());
-    const auto tile = PackedTile::from_bytes(body);
+    const auto tile = proto::read_tile_snapshot(body);
     if (!tile) return tile.error();
     map.tiles.emplace_back(tile_head->key, tile->unpack());
   }

@@ -10,7 +10,8 @@
 namespace cairn {
 
 /// An immutable tile at rest: only known cells take room (3 bytes each and a mask). It is how the
-/// long-term map is held in memory, stored and sent to clients; to read cells, unpack.
+/// long-term map is held in memory (proto/codec/tile_snapshot.h: on disk, and sent to clients); to
+/// read cells, unpack.
 ///
 /// Bytes, little-endian: version u8 = 1 | datum_mm i32 | presence u64, one bit per 8×8 block, block
 /// b = (y/8)·8 + x/8 | for each present block a mask u64, bit (y%8)·8 + x%8 | for each known cell

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 
 #include "core/planner/bit_coder.h"
 #include "core/planner/field_walk.h"
@@ -88,12 +89,23 @@ class Reader {
   int count_ = 0;
 };
 
-double distance_to_leg(const Eigen::Vector2d& p, const Eigen::Vector2d& from,
-                       const Eigen::Vector2d& to) {
-  const Eigen::Vector2d way = to - from;
-  const double length2 = way.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - from).dot(way) / length2, 0.0, 1.0) : 0.0;
-  return (p - from - t * way).norm();
+/// Whether a place lies within `reach` of a leg [1/4 cells]. Requires: all within
+/// Corridor::kMaxSide cells of each other, so that nothing overflows.
+bool near_leg(CellIndex place, CellIndex from, CellIndex to, std::int64_t reach) {
+  const std::int64_t wx = std::int64_t{to.x} - from.x;
+  const std::int64_t wy = std::int64_t{to.y} - from.y;
+  const std::int64_t px = std::int64_t{place.x} - from.x;
+  const std::int64_t py = std::int64_t{place.y} - from.y;
+  const std::int64_t along = px * wx + py * wy;
+  const std::int64_t length2 = wx * wx + wy * wy;
+  if (along <= 0) return px * px + py * py <= reach * reach;
+  if (along >= length2) return (px - wx) * (px - wx) + (py - wy) * (py - wy) <= reach * reach;
+  const std::int64_t across = px * wy - py * wx;
+  return across * across <= reach * reach * length2;
+}
+
+std::int32_t steps_between(std::int32_t a, std::int32_t b, std::int32_t most) {
+  return static_cast<std::int32_t>((std::abs(std::int64_t{b} - a) + most - 1) / most);
 }
 
 }  // namespace
@@ -172,12 +184,28 @@ Result<CodedPath> decode_path(std::span<const std::uint8_t> bytes) {
   return path;
 }
 
-Result<Corridor> Corridor::along(const CodedPath& path, double half_width_m) {
-  if (path.points.empty() || !(half_width_m >= 0 && half_width_m <= 100)) {
-    return Error{ErrorCode::invalid_argument, "a corridor needs a path and a width up to 100 m"};
+CodedPath subdivided(const CodedPath& path, std::int32_t most) {
+  CodedPath fine{path.cell_size_mm, {}};
+  for (std::size_t i = 0; i < path.points.size(); ++i) {
+    const CellIndex to = path.points[i];
+    const CellIndex from = path.points[i > 0 ? i - 1 : 0];
+    const std::int64_t steps =
+        std::max(steps_between(from.x, to.x, most), steps_between(from.y, to.y, most));
+    for (std::int64_t k = 1; k < steps; ++k) {
+      fine.points.push_back(
+          {static_cast<std::int32_t>(from.x + (std::int64_t{to.x} - from.x) * k / steps),
+           static_cast<std::int32_t>(from.y + (std::int64_t{to.y} - from.y) * k / steps)});
+    }
+    fine.points.push_back(to);
   }
-  const double half_width = half_width_m * 1000 / path.cell_size_mm;
-  const auto margin = static_cast<std::int32_t>(half_width) + 1;
+  return fine;
+}
+
+Result<Corridor> Corridor::along(const CodedPath& path, int half_width) {
+  if (path.points.empty() || half_width < 0 || half_width > kMaxHalfWidth) {
+    return Error{ErrorCode::invalid_argument, "a corridor needs a path and a width up to 64 cells"};
+  }
+  const int margin = half_width + 1;
   CellIndex low = path.points.front();
   CellIndex high = low;
   for (const CellIndex p : path.points) {
@@ -188,31 +216,40 @@ Result<Corridor> Corridor::along(const CodedPath& path, double half_width_m) {
   corridor.origin_ = {(low.x >> 2) - margin, (low.y >> 2) - margin};
   const std::int64_t width = std::int64_t{high.x >> 2} + margin - corridor.origin_.x + 1;
   const std::int64_t height = std::int64_t{high.y >> 2} + margin - corridor.origin_.y + 1;
-  if (width > kMaxCells / height) {
+  bool too_large = width > kMaxSide || height > kMaxSide;
+  corridor.width_ = static_cast<int>(std::min(width, kMaxSide));
+  corridor.height_ = static_cast<int>(std::min(height, kMaxSide));
+  std::int64_t looked_at = 0;
+  for (std::size_t i = 0; i < path.points.size() && !too_large; ++i) {
+    looked_at +=
+        corridor.box_of(path.points[i > 0 ? i - 1 : 0], path.points[i], half_width).cells();
+    too_large = looked_at > kMaxLookedAt;
+  }
+  if (too_large) {
     return Error{ErrorCode::exhausted, "the path leads over too much ground for one corridor"};
   }
-  corridor.width_ = static_cast<int>(width);
-  corridor.height_ = static_cast<int>(height);
   corridor.direction_.assign(static_cast<std::size_t>(width * height), outside);
-  const auto place = [&](CellIndex p) {
-    return Eigen::Vector2d(p.x / kQuarters - corridor.origin_.x,
-                           p.y / kQuarters - corridor.origin_.y);
-  };
   for (std::size_t i = 0; i < path.points.size(); ++i) {
-    corridor.mark_near(place(path.points[i > 0 ? i - 1 : 0]), place(path.points[i]), half_width);
+    corridor.mark_near(path.points[i > 0 ? i - 1 : 0], path.points[i], half_width);
   }
   return corridor;
 }
 
-void Corridor::mark_near(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                         double half_width) {
-  const Eigen::Vector2d low = from.cwiseMin(to).array() - half_width - 1;
-  const Eigen::Vector2d high = from.cwiseMax(to).array() + half_width + 1;
-  const int x1 = std::min(static_cast<int>(high.x()), width_ - 1);
-  const int y1 = std::min(static_cast<int>(high.y()), height_ - 1);
-  for (int y = std::max(static_cast<int>(low.y()), 0); y <= y1; ++y) {
-    for (int x = std::max(static_cast<int>(low.x()), 0); x <= x1; ++x) {
-      if (distance_to_leg({x + 0.5, y + 0.5}, from, to) <= half_width) at(x, y) = no_way;
+Corridor::Box Corridor::box_of(CellIndex from, CellIndex to, int half_width) const {
+  const int margin = half_width + 1;
+  const int x0 = (std::min(from.x, to.x) >> 2) - origin_.x - margin;
+  const int y0 = (std::min(from.y, to.y) >> 2) - origin_.y - margin;
+  const int x1 = (std::max(from.x, to.x) >> 2) - origin_.x + margin;
+  const int y1 = (std::max(from.y, to.y) >> 2) - origin_.y + margin;
+  return {std::max(x0, 0), std::max(y0, 0), std::min(x1, width_ - 1), std::min(y1, height_ - 1)};
+}
+
+void Corridor::mark_near(CellIndex from, CellIndex to, int half_width) {
+  const Box box = box_of(from, to, half_width);
+  for (int y = box.y0; y <= box.y1; ++y) {
+    for (int x = box.x0; x <= box.x1; ++x) {
+      const CellIndex middle{4 * (origin_.x + x) + 2, 4 * (origin_.y + y) + 2};
+      if (near_leg(middle, from, to, 4 * std::int64_t{half_width})) at(x, y) = no_way;
     }
   }
 }

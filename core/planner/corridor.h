@@ -33,8 +33,13 @@ struct CodedPath {
 /// invalid_argument when it is no such path; anything after it is one, too.
 [[nodiscard]] Result<CodedPath> decode_path(std::span<const std::uint8_t> bytes);
 
+/// The same way with points put in so that no two lie further apart than `most` [1/4 cells] along x
+/// or y. Requires: most ≥ 1.
+[[nodiscard]] CodedPath subdivided(const CodedPath& path, std::int32_t most);
+
 /// The field along a path: which way to go from every cell within some distance of it, so that who
-/// had to leave the path picks the field up from where that leads (T2.2.4).
+/// had to leave the path picks the field up from where that leads (T2.2.4). Which cells these are
+/// is reckoned in whole numbers: it comes out the same on every machine.
 class Corridor {
  public:
   enum : std::uint8_t {
@@ -43,9 +48,10 @@ class Corridor {
     outside = 10,
   };
 
-  /// Every cell whose middle lies within `half_width_m` of the path, still without directions.
-  /// exhausted beyond kMaxCells.
-  [[nodiscard]] static Result<Corridor> along(const CodedPath& path, double half_width_m);
+  /// Every cell whose middle lies within `half_width` [cells] of the path, still without
+  /// directions. invalid_argument without a path or beyond kMaxHalfWidth; exhausted beyond kMaxSide
+  /// or kMaxLookedAt, which bounds the time.
+  [[nodiscard]] static Result<Corridor> along(const CodedPath& path, int half_width);
 
   /// The step to take from a cell (0 … 7, see kStepX), at_goal, no_way or outside.
   [[nodiscard]] std::uint8_t direction(CellIndex cell) const;
@@ -60,8 +66,9 @@ class Corridor {
   /// invalid_argument when the bytes do not fit this corridor.
   [[nodiscard]] Status decode(std::span<const std::uint8_t> bytes);
 
-  /// [cells] Of the box around the path.
-  static constexpr std::int64_t kMaxCells = std::int64_t{1} << 24;
+  static constexpr int kMaxHalfWidth = 64;               ///< [cells]
+  static constexpr std::int64_t kMaxSide = 4096;         ///< [cells] Of the box around the path.
+  static constexpr std::int64_t kMaxLookedAt = 1 << 20;  ///< [cells] In the legs' boxes, together.
 
   friend bool operator==(const Corridor&, const Corridor&) = default;
 
@@ -74,7 +81,18 @@ class Corridor {
   }
   [[nodiscard]] std::uint8_t way_on(const DrivableGrid& grid, const Field& field,
                                     CellIndex cell) const;
-  void mark_near(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double half_width);
+  /// [cells] Columns and rows that a leg may come near to.
+  struct Box {
+    int x0 = 0;
+    int y0 = 0;
+    int x1 = 0;
+    int y1 = 0;
+    [[nodiscard]] std::int64_t cells() const {
+      return (std::int64_t{x1} - x0 + 1) * (std::int64_t{y1} - y0 + 1);
+    }
+  };
+  [[nodiscard]] Box box_of(CellIndex from, CellIndex to, int half_width) const;
+  void mark_near(CellIndex from, CellIndex to, int half_width);
 
   CellIndex origin_;
   int width_ = 0;

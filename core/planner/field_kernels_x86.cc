@@ -14,8 +14,12 @@
 
 namespace cairn {
 
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx2")
+#endif
 namespace avx2_sweeps {
 namespace {
 
@@ -86,10 +90,19 @@ struct Lanes {
 
 }  // namespace
 }  // namespace avx2_sweeps
+#ifdef __clang__
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl"))), \
+                             apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512bw,avx512dq,avx512vl")
+#endif
 namespace avx512_sweeps {
 namespace {
 
@@ -157,7 +170,11 @@ struct Lanes {
 
 }  // namespace
 }  // namespace avx512_sweeps
+#ifdef __clang__
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 
 const FieldKernels* avx2_field_kernels() {
   static constexpr FieldKernels kKernels{"AVX2", avx2_sweeps::solve};

@@ -30,7 +30,9 @@ class InclineTrust {
   /// [rad] Of roll and pitch, now.
   [[nodiscard]] double sigma_rad() const;
   /// [m] For an incline that is known to `sigma_rad`.
-  [[nodiscard]] double range_m(double sigma_rad) const { return config_.height_sigma_m / sigma_rad; }
+  [[nodiscard]] double range_m(double sigma_rad) const {
+    return config_.height_sigma_m / sigma_rad;
+  }
 
  private:
   InclineTrustConfig config_;

@@ -29,7 +29,7 @@ struct MixerState {
 struct Learning {
   int most_seen = 255;  ///< Statistics never rest on more bits: they follow what changes.
   /// [1/2^18] Step of a weight. [Limit: ≤ 1024]
-  int weight_rate = 10;
+  int weight_rate = 6;
 };
 
 /// Predicts a bit from several contexts at once: their log odds are weighted, and the weights learn
@@ -38,7 +38,7 @@ struct Learning {
 /// 32 bits, and every shift of a negative one rounds down.
 class BitMixer {
  public:
-  static constexpr std::size_t kMaxInputs = 12;  ///< Of which the last is constant.
+  static constexpr std::size_t kMaxInputs = 16;  ///< Of which the last is constant.
 
   /// Requires: statistics and weights as large as the contexts and sets used.
   BitMixer(MixerState& state, const Learning& learning) : state_(state), learning_(learning) {}

@@ -18,10 +18,10 @@ constexpr std::size_t kGuessedBitsPerCell = 8;
 constexpr std::size_t kGuessedBitsPerBlock = 12;
 constexpr std::array kLayers = {EvidenceLayer::surface, EvidenceLayer::seen_through};
 
-/// The trained state, to be learned on from. Its memory is kept: it is as large as 200 packets.
-MixerState& fresh_state() {
+/// The trained state, to be learned on from. Its memory is kept: it is as large as 400 packets.
+MixerState& fresh_state(const Coarseness& coarseness) {
   static thread_local MixerState state;
-  state = trained_priors();
+  state = trained_priors(coarseness);
   return state;
 }
 
@@ -80,6 +80,12 @@ std::vector<std::size_t> choose(std::span<const BlockUpdate> blocks, std::size_t
   return chosen;
 }
 
+bool all_of_coarseness(std::span<const BlockUpdate> blocks, const std::vector<std::size_t>& chosen,
+                       const Coarseness& coarseness) {
+  return std::ranges::all_of(
+      chosen, [&](std::size_t i) { return all_of_coarseness(blocks[i], coarseness); });
+}
+
 /// The chosen blocks of one layer in the order in which they are told.
 std::vector<BlockUpdate> of_layer(std::span<const BlockUpdate> blocks,
                                   const std::vector<std::size_t>& chosen, EvidenceLayer layer) {
@@ -97,17 +103,15 @@ std::vector<BlockUpdate> of_layer(std::span<const BlockUpdate> blocks,
 
 std::vector<std::uint8_t> write_chosen(std::span<const BlockUpdate> blocks,
                                        const std::vector<std::size_t>& chosen,
-                                       const PatchSetting& setting, const Manner& wanted,
+                                       const PatchSetting& setting, const Manner& manner,
                                        const ContextImage& image, MixerState& state,
                                        const Learning& learning) {
-  const bool fits = std::ranges::all_of(
-      chosen, [&](std::size_t i) { return all_of_coarseness(blocks[i], wanted.coarseness); });
-  const Manner manner = fits ? wanted : Manner{kExact, wanted.plain};
   std::vector<std::uint8_t> bytes;
   RangeEncoder encoder(bytes);
   using Coder = patch::PatchCoder<RangeEncoder>;
   Coder::code_manner(encoder, manner);
   Coder coder(encoder, state, learning, setting, manner, image);
+  coder.code_view();
   for (const EvidenceLayer layer : kLayers) {
     auto told = of_layer(blocks, chosen, layer);
     [[maybe_unused]] const bool nothing = told.empty();
@@ -121,9 +125,8 @@ std::vector<std::uint8_t> write_chosen(std::span<const BlockUpdate> blocks,
 /// The first block alone, without statistics: however wild it is, its length is bounded.
 PatchBytes write_plain(std::span<const BlockUpdate> blocks, const PatchSetting& setting,
                        const ContextImage& image, std::size_t most_bytes) {
-  MixerState& state = fresh_state();
-  auto bytes =
-      write_chosen(blocks.first(1), {0}, setting, {kExact, true}, image, state, kPacketLearning);
+  auto bytes = write_chosen(blocks.first(1), {0}, setting, {kExact, true}, image,
+                            fresh_state(kExact), kPacketLearning);
   if (bytes.size() > most_bytes) return {};
   return {std::move(bytes), {0}};
 }
@@ -139,8 +142,9 @@ PatchBytes write_patch(std::span<const BlockUpdate> blocks, const PatchSetting& 
   for (int tries = 0; tries < kMostTries; ++tries) {
     const auto chosen = choose(blocks, most_bits);
     if (chosen.size() <= best.taken.size()) break;
-    MixerState& state = fresh_state();
-    auto bytes = write_chosen(blocks, chosen, setting, {coarseness}, image, state, kPacketLearning);
+    const Coarseness told = all_of_coarseness(blocks, chosen, coarseness) ? coarseness : kExact;
+    auto bytes =
+        write_chosen(blocks, chosen, setting, {told}, image, fresh_state(told), kPacketLearning);
     std::size_t guessed = 0;
     for (const std::size_t i : chosen) guessed += guessed_bits(blocks[i]);
     const bool fits = bytes.size() <= most_bytes;
@@ -163,8 +167,9 @@ std::vector<std::uint8_t> write_patch_learning(std::span<const BlockUpdate> bloc
                                                const Coarseness& coarseness,
                                                const ContextImage& image, MixerState& state,
                                                const Learning& learning) {
-  return write_chosen(blocks, choose(blocks, SIZE_MAX), setting, {coarseness}, image, state,
-                      learning);
+  const auto chosen = choose(blocks, SIZE_MAX);
+  assert(all_of_coarseness(blocks, chosen, coarseness));
+  return write_chosen(blocks, chosen, setting, {coarseness}, image, state, learning);
 }
 
 Result<std::vector<BlockUpdate>> read_patch(std::span<const std::uint8_t> bytes,
@@ -176,8 +181,8 @@ Result<std::vector<BlockUpdate>> read_patch(std::span<const std::uint8_t> bytes,
   if (const std::string wrong = faults(manner.coarseness); !wrong.empty()) {
     return Error{ErrorCode::corrupt, "patch: " + wrong};
   }
-  MixerState& state = fresh_state();
-  Coder coder(decoder, state, kPacketLearning, setting, manner, image);
+  Coder coder(decoder, fresh_state(manner.coarseness), kPacketLearning, setting, manner, image);
+  coder.code_view();
   std::vector<BlockUpdate> blocks;
   for (const EvidenceLayer layer : kLayers) {
     std::vector<BlockUpdate> told;

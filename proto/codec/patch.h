@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "core/delta/coarseness.h"
 #include "core/delta/context_image.h"
 #include "proto/codec/bit_mixer.h"
+#include "proto/codec/patch_view.h"
 #include "proto/codec/records.h"
 
 /// Changes of one submap's blocks as few bytes as possible (PROTOCOL.md, "Patches"): which blocks
@@ -26,6 +28,8 @@ inline constexpr std::size_t kEnoughForABlock = 880;
 struct PatchSetting {
   std::uint32_t sequence = 0;  ///< Of the submap.
   std::uint8_t tick = 0;       ///< Counts the rounds in which evidence set out.
+  /// For the writer, if it knows: the reader finds it in the patch.
+  std::optional<Viewpoint> view{};
 };
 
 struct PatchBytes {
@@ -48,12 +52,14 @@ struct PatchBytes {
                                                           const ContextImage& image);
 
 /// The same with another state of the mixer than the trained one, which learns on: for training.
+/// Requires: values of the coarseness.
 [[nodiscard]] std::vector<std::uint8_t> write_patch_learning(
     std::span<const BlockUpdate> blocks, const PatchSetting& setting, const Coarseness& coarseness,
     const ContextImage& image, MixerState& state, const Learning& learning);
 
-/// The mixer's state at the beginning of every patch, part of the protocol version.
-[[nodiscard]] const MixerState& trained_priors();
+/// The mixer's state at the beginning of every patch of such values, part of the protocol version:
+/// exact ones have one of their own, which knows whole tiles of finished maps.
+[[nodiscard]] const MixerState& trained_priors(const Coarseness& coarseness);
 /// How it learns within a packet.
 inline constexpr Learning kPacketLearning{};
 

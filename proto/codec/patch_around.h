@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -46,7 +47,15 @@ struct Around {
   const WindowCell& ne;
 };
 
-inline int ones(int bits) { return std::popcount(static_cast<unsigned>(bits)); }
+/// Of at most eight bits. (A call into the compiler's library, without.)
+inline constexpr auto kOnes = [] {
+  std::array<std::int8_t, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    table[i] = static_cast<std::int8_t>(std::popcount(i));
+  }
+  return table;
+}();
+inline int ones(int bits) { return kOnes[static_cast<std::size_t>(bits)]; }
 
 /// The rows around a cell, bit 3 of each being its column.
 class Bits {

@@ -107,6 +107,12 @@ bool CellCoder<Coder>::quarter(const Window& window, int q, const bool* coded, b
   mixer_.add(element.tables[1].at(z((edge_class * 4 + q) * 8 + before)));
   mixer_.add(element.tables[2].at(z((recent_class * 8 + seen_class) * 4 + edge_class)));
   mixer_.add(element.tables[3].at(z(seen_class * 8 + before)));
+  if (view_) {
+    const Place place = place_of(x0 + kHalf / 2, y0 + kHalf / 2);
+    mixer_.add(
+        element.tables[4].at((place.polar() * 2 + (recent > 0 ? 1 : 0)) * 4 + z(edge_class)));
+    mixer_.add(element.tables[5].at(place.square() * 2 + (seen > 0 ? 1 : 0)));
+  }
   return mixer_.code(coder_, is, element.first_set + z(q), element.first_set + 4 + z(recent_class));
 }
 
@@ -143,6 +149,12 @@ bool CellCoder<Coder>::mask(const Here& here, bool is, int in_block) {
         std::min(age, 4))));
   mixer_.add(t[8].at(z((recent8 * 2 + (told > 0)) * 2 + (age <= 1))));
   mixer_.add(t[9].at(z(((near * 8 + age) * 8 + a.self.updates) * 2 + (recent > 2))));
+  if (view_) {
+    const Place place = place_of(here.x, here.y);
+    mixer_.add(t[10].at((place.square() * 2 + z(self)) * 3 + z(std::min(told, 2))));
+    mixer_.add(t[11].at((place.polar() * 2 + z(self)) * 2 + (recent > 0 ? 1 : 0)));
+    mixer_.add(t[12].at((place.distance * 5 + z(told)) * 8 + z(age)));
+  }
   const std::size_t first = kElements.mask.first_set;
   return mixer_.code(coder_, is, first + z(self * 5 + told),
                      first + 10 + z(age * 4 + std::min(recent, 3)));

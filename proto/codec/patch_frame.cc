@@ -16,8 +16,10 @@ constexpr std::size_t kOtherLevel = 4;
 constexpr std::size_t kDatumExpected = 5;
 constexpr std::size_t kBaseExpected = 6;
 constexpr std::size_t kNextVersion = 7;
+constexpr std::size_t kView = 8;
 constexpr std::size_t kOriginLengths = 32;  // to 63
 constexpr std::size_t kSizeLengths = 64;    // to 95
+constexpr std::size_t kViewLengths = 96;    // to 127
 
 constexpr std::size_t z(int value) { return static_cast<std::size_t>(value); }
 
@@ -65,6 +67,30 @@ Manner PatchCoder<Coder>::code_manner(Coder& coder, const Manner& manner) {
 }
 
 template <class Coder>
+void PatchCoder<Coder>::code_view() {
+  constexpr int kHeadingBits = 6;
+  view_ = setting_.view;
+  if (manner_.plain || !cells_.rare(view_.has_value(), kView)) {
+    view_.reset();
+    return;
+  }
+  if (!view_) view_.emplace();
+  static constexpr std::int32_t kFarthest = 1 << 28;
+  const auto even = [this](std::int32_t at) {
+    return 2 * std::clamp(number(at >> 1, kViewLengths), -kFarthest, kFarthest);
+  };
+  view_->at = {even(view_->at.x), even(view_->at.y)};
+  view_->heading = static_cast<std::uint8_t>(cells_.raw(view_->heading, kHeadingBits));
+}
+
+template <class Coder>
+std::optional<Place> PatchCoder<Coder>::place_of(BlockAt at) const {
+  if (!view_) return std::nullopt;
+  return place_from(*view_, std::int64_t{frame_.x0 + at.x} * kBlockSize + kBlockSize / 2,
+                    std::int64_t{frame_.y0 + at.y} * kBlockSize + kBlockSize / 2);
+}
+
+template <class Coder>
 bool PatchCoder<Coder>::code_layer(EvidenceLayer layer, std::vector<BlockUpdate>& blocks) {
   layer_ = layer;
   const bool writing = !blocks.empty();
@@ -93,6 +119,7 @@ template <class Coder>
 bool PatchCoder<Coder>::code_there(BlockAt at, BlockUpdate& update) {
   if (!code_head(update)) return false;
   lay_window(at);
+  cells_.set_origin({(frame_.x0 + at.x) * kBlockSize, (frame_.y0 + at.y) * kBlockSize});
   const bool sound = manner_.plain ? cells_.code_plain_block(update.delta)
                                    : cells_.code_block(window_, update.delta);
   if (!sound) return false;
@@ -174,6 +201,10 @@ bool PatchCoder<Coder>::code_flag(BlockAt at, bool there) {
   mixer.add(element.tables[1].at(z(near * 9 + recent)));
   mixer.add(element.tables[2].at(z((age * 8 + std::min(east, south)) * 4 + (near & 3))));
   mixer.add(element.tables[3].at(z(near * 16 + border)));
+  if (const auto place = place_of(at)) {
+    mixer.add(element.tables[4].at((place->polar() * 2 + (age <= 1 ? 1 : 0)) * 4 + z(near & 3)));
+    mixer.add(element.tables[5].at(place->square() * 2 + (recent > 0 ? 1 : 0)));
+  }
   return mixer.code(cells_.coder(), there, element.first_set + z(near),
                     element.first_set + 16 + z(age));
 }

@@ -39,7 +39,7 @@ class PatchCoder {
  public:
   PatchCoder(Coder& coder, MixerState& state, const Learning& learning, const PatchSetting& setting,
              const Manner& manner, const ContextImage& image)
-      : cells_(coder, state, learning, manner.coarseness, running_),
+      : cells_(coder, state, learning, manner.coarseness, running_, view_),
         setting_(setting),
         manner_(manner),
         image_(image) {}
@@ -47,6 +47,8 @@ class PatchCoder {
   /// Codes the manner that the rest is in.
   static Manner code_manner(Coder& coder, const Manner& manner);
 
+  /// Codes whether there is a viewpoint, and it.
+  void code_view();
   /// Codes one layer: writes `blocks` (of this layer and one level, sorted by y, then x), or
   /// appends to them what it reads. False when a bound is broken.
   bool code_layer(EvidenceLayer layer, std::vector<BlockUpdate>& blocks);
@@ -69,7 +71,11 @@ class PatchCoder {
   [[nodiscard]] int told(BlockAt in_frame) const;
   std::int32_t& slot(BlockAt in_frame);
 
+  /// A block's middle, or a quarter's.
+  [[nodiscard]] std::optional<Place> place_of(BlockAt in_frame) const;
+
   Running running_;
+  std::optional<Viewpoint> view_;
   CellCoder<Coder> cells_;
   PatchSetting setting_;
   Manner manner_;

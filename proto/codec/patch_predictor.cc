@@ -74,6 +74,7 @@ std::int64_t plane16_at_origin(const Sums& s) {
 Prediction predict(const Window& window, int x, int y) {
   Prediction prediction;
   Sums sums;
+  std::int64_t even = 0;
   prediction.least = std::numeric_limits<std::int32_t>::max();
   prediction.most = std::numeric_limits<std::int32_t>::min();
   for (const Neighbour& at : kNeighbours) {
@@ -81,7 +82,9 @@ Prediction predict(const Window& window, int x, int y) {
     if (!cell.known()) continue;
     if (prediction.count++ == 0) prediction.nearest = cell.height;
     const std::int64_t off = std::int64_t{cell.height} - prediction.nearest;
-    sums.add(at, std::clamp(off, -kMaxOff, kMaxOff));
+    const std::int64_t height = std::clamp(off, -kMaxOff, kMaxOff);
+    sums.add(at, height);
+    even += height;
     if (at.squared > kNear) continue;
     prediction.least = std::min(prediction.least, cell.height);
     prediction.most = std::max(prediction.most, cell.height);
@@ -92,6 +95,7 @@ Prediction predict(const Window& window, int x, int y) {
   }
   const std::int64_t base16 = std::int64_t{16} * prediction.nearest;
   prediction.mean16 = static_cast<std::int32_t>(base16 + 16 * sums.z / sums.w);
+  prediction.even16 = static_cast<std::int32_t>(base16 + 16 * even / prediction.count);
   const std::int64_t half_spread = 8 * (std::int64_t{prediction.most} - prediction.least) + 32;
   prediction.plane16 = static_cast<std::int32_t>(std::clamp(
       base16 + plane16_at_origin(sums), std::int64_t{16} * prediction.least - half_spread,

@@ -20,9 +20,18 @@ constexpr std::int32_t kWeightStep = 256;
 constexpr std::array<std::uint16_t, 16> kSeen = {0,  1,  2,  3,  4,  6,  8,   12,
                                                  16, 24, 32, 48, 64, 96, 128, 255};
 
-constexpr std::string_view kTable =
+constexpr char kTable[] =
 #include "proto/codec/patch_priors_table.inc"
     ;
+constexpr char kExactTable[] =
+#include "proto/codec/patch_exact_priors_table.inc"
+    ;
+
+MixerState priors_of(std::string_view table) {
+  auto state = priors_from_text(table);
+  assert(state && "the table was not trained for these contexts: see train_codec");
+  return *std::move(state);
+}
 
 void put(std::string& text, unsigned value) {
   text += kLetters[value / 64];
@@ -73,13 +82,11 @@ std::optional<MixerState> priors_from_text(std::string_view text) {
 
 }  // namespace patch
 
-const MixerState& trained_priors() {
-  static const MixerState priors = [] {
-    auto state = patch::priors_from_text(patch::kTable);
-    assert(state && "the table was not trained for these contexts: see train_codec");
-    return *std::move(state);
-  }();
-  return priors;
+const MixerState& trained_priors(const Coarseness& coarseness) {
+  static const MixerState coarse = patch::priors_of({patch::kTable, sizeof patch::kTable - 1});
+  static const MixerState exact =
+      patch::priors_of({patch::kExactTable, sizeof patch::kExactTable - 1});
+  return coarseness == kExact ? exact : coarse;
 }
 
 }  // namespace cairn::proto

@@ -28,6 +28,10 @@ std::uint8_t context_level(std::uint8_t probability) {
   return static_cast<std::uint8_t>(1 + level_of(probability, kMaxLevels));
 }
 
+bool is_level_value(std::uint8_t probability) {
+  return probability != 0 && representable({0, probability}, {1, kMaxLevels});
+}
+
 void Window::tell(int x, int y, const WindowCell& cell) {
   cells_[index(x, y)] = cell;
   mark(x, y);
@@ -77,6 +81,7 @@ Window::BlockCells cells_of(const ContextImage::Block& block, std::uint8_t tick,
     cell.age = kUnknownAge;
     if (from.probability == 0) continue;
     cell.height = quanta(from.height_mm, coarseness.quantum_mm);
+    cell.probability = from.probability;
     cell.level = context_level(from.probability);
     cell.age = age_class(static_cast<std::uint8_t>(tick - from.tick));
     cell.updates = std::min<std::uint8_t>(from.updates, 7);
@@ -87,6 +92,7 @@ Window::BlockCells cells_of(const ContextImage::Block& block, std::uint8_t tick,
 WindowCell told_cell(const WindowCell& before, const Cell& now, const Coarseness& coarseness) {
   WindowCell cell = before;
   cell.marks |= kChanged;
+  cell.probability = now.probability;
   cell.level = context_level(now.probability);
   if (!now.known()) {
     cell.marks |= kCleared;

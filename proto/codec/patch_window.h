@@ -11,12 +11,13 @@ namespace cairn::proto::patch {
 
 /// A cell as the coder sees it: in steps and classes.
 struct WindowCell {
-  std::int32_t height = 0;    ///< [quanta] Above the submap's origin.
-  std::uint8_t level = 0;     ///< Probability: 0 unknown, 1 … 16 of 16 levels, 17 certain.
-  std::uint8_t age = 0;       ///< Class of the time since its last change, see age_class.
-  std::uint8_t marks = 0;     ///< kChanged …, in this packet.
-  std::uint8_t residual = 0;  ///< [quanta] By how much its new height was missed, saturating.
-  std::uint8_t updates = 0;   ///< Changes since it was unknown, 0 … 7.
+  std::int32_t height = 0;       ///< [quanta] Above the submap's origin.
+  std::uint8_t level = 0;        ///< Probability: 0 unknown, 1 … 16 of 16 levels, 17 certain.
+  std::uint8_t age = 0;          ///< Class of the time since its last change, see age_class.
+  std::uint8_t marks = 0;        ///< kChanged …, in this packet.
+  std::uint8_t residual = 0;     ///< [quanta] By how much its new height was missed, saturating.
+  std::uint8_t updates = 0;      ///< Changes since it was unknown, 0 … 7.
+  std::uint8_t probability = 0;  ///< [1/255]
 
   [[nodiscard]] bool known() const { return level != 0; }
 };
@@ -26,6 +27,7 @@ inline constexpr std::uint8_t kChanged = 1;
 inline constexpr std::uint8_t kCleared = 2;
 inline constexpr std::uint8_t kMoved = 4;    ///< Its height changed.
 inline constexpr std::uint8_t kAltMode = 8;  ///< Its height was told from the other surface.
+inline constexpr std::uint8_t kOnGrid = 16;  ///< Its exact height is coarse ones' among its like.
 
 inline constexpr std::uint8_t kUnknownAge = 7;
 
@@ -72,6 +74,8 @@ class Window {
                                    const Coarseness& coarseness);
 /// Class of an age in rounds: 0 in this one, 1 the one before, then wider and wider, up to 6.
 [[nodiscard]] std::uint8_t age_class(std::uint8_t age);
+/// Whether an exact probability is one that a level among 16 stands for.
+[[nodiscard]] bool is_level_value(std::uint8_t probability);
 /// Level of a probability among 16, from 1; 0 unknown, 17 certain.
 [[nodiscard]] std::uint8_t context_level(std::uint8_t probability);
 

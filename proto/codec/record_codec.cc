@@ -156,19 +156,38 @@ void fields(Io& io, typename Io::template Ref<Command> r) {
   io.optional("goal yaw", r.goal_yaw_1e4rad, [](Io& each, auto& yaw) {
     each.template number<std::int32_t>("goal yaw", yaw, -kMaxYaw1e4rad, kMaxYaw1e4rad);
   });
-  io.template number<std::uint16_t>("path points", r.path_points, 0, kMaxPathPoints);
+  io.flag("path cut", r.path_cut);
+  io.template number<std::uint16_t>("path bytes", r.path_bytes, 0, kMaxPathBytes);
 }
 
 template <class Io>
 void fields(Io& io, typename Io::template Ref<PathPart> r) {
   io.template number<std::uint64_t>("command", r.command, 1);
   io.number("revision", r.revision);
+  io.template number<std::uint8_t>("part", r.part, 0, kMaxPathParts - 1);
+  io.rest("bytes", r.bytes, kPartBytes);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<CorridorRequest> r) {
+  io.template number<std::uint64_t>("command", r.command, 1);
+  io.number("revision", r.revision);
+  coordinate(io, "x", r.x_mm);
+  coordinate(io, "y", r.y_mm);
+  io.template number<std::uint8_t>("half width", r.half_width, 1, kMaxCorridorHalfWidth);
+  io.one_of("wish", r.wish, CorridorWish::corridor, CorridorWish::plan);
+}
+
+template <class Io>
+void fields(Io& io, typename Io::template Ref<CorridorPart> r) {
+  io.template number<std::uint64_t>("command", r.command, 1);
+  io.number("revision", r.revision);
+  io.number("map version", r.map_version);
   io.number("first", r.first);
-  io.list("points", r.points, kMaxPartPoints, [](Io& each, auto& point) {
-    coordinate(each, "point x", point.x_mm);
-    coordinate(each, "point y", point.y_mm);
-  });
-  io.require("first", r.first + r.points.size() <= kMaxPathPoints);
+  io.template number<std::uint16_t>("count", r.count, 1);
+  io.template number<std::uint8_t>("half width", r.half_width, 1, kMaxCorridorHalfWidth);
+  io.bytes("spine", r.spine, kMaxSpineBytes);
+  io.rest("directions", r.directions, kMaxCorridorBytes);
 }
 
 template <class Io>
@@ -247,6 +266,7 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, CommandReport>) return {5, Sender::robot, "command report"};
   if constexpr (std::is_same_v<R, Bye>) return {6, Sender::robot, "bye"};
   if constexpr (std::is_same_v<R, SpoolReport>) return {7, Sender::robot, "spool report"};
+  if constexpr (std::is_same_v<R, CorridorRequest>) return {16, Sender::robot, "corridor request"};
   if constexpr (std::is_same_v<R, Welcome>) return {17, Sender::server, "welcome"};
   if constexpr (std::is_same_v<R, Reject>) return {18, Sender::server, "reject"};
   if constexpr (std::is_same_v<R, Reset>) return {19, Sender::server, "reset"};
@@ -258,6 +278,7 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, MapCommit>) return {25, Sender::server, "map commit"};
   if constexpr (std::is_same_v<R, GroundLost>) return {26, Sender::server, "ground lost"};
   if constexpr (std::is_same_v<R, MapDigest>) return {27, Sender::robot, "map digest"};
+  if constexpr (std::is_same_v<R, CorridorPart>) return {31, Sender::server, "corridor part"};
   if constexpr (std::is_same_v<R, Ack>) return {32, Sender::both, "ack"};
 }
 

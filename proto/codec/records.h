@@ -15,9 +15,14 @@ namespace cairn::proto {
 
 inline constexpr std::size_t kMaxNameBytes = 32;   ///< Robot ids and site names: [a-z0-9_-]+
 inline constexpr std::size_t kMaxTextBytes = 160;  ///< Reasons for people, UTF-8.
-inline constexpr std::size_t kMaxPathPoints = 512;
-inline constexpr std::size_t kMaxPartPoints = 100;
-/// [mm] Of every position, goal, path point and tile datum (HeightMap::kMaxExtentM).
+/// [bytes] Of a path, coded as in core/planner/corridor.h: more than a kilometre of turns.
+inline constexpr std::size_t kMaxPathBytes = 4000;
+inline constexpr std::size_t kPartBytes = 1000;  ///< Of each part of a path but the last.
+/// [bytes] Of a stretch of corridor: its own path, and its directions.
+inline constexpr std::size_t kMaxSpineBytes = 200;
+inline constexpr std::size_t kMaxCorridorBytes = 900;
+inline constexpr std::uint8_t kMaxCorridorHalfWidth = 64;  ///< [cells]
+/// [mm] Of every position, goal and tile datum (HeightMap::kMaxExtentM).
 inline constexpr std::int32_t kMaxCoordinateMm = 100'000'000;
 inline constexpr std::int32_t kMaxYaw1e4rad = 31416;
 inline constexpr std::int32_t kMaxTileCoordinate = 1 << 20;  ///< |tx|, |ty|; level: any int8.
@@ -150,6 +155,22 @@ struct CommandReport {
   friend bool operator==(const CommandReport&, const CommandReport&) = default;
 };
 
+enum class CorridorWish : std::uint8_t {
+  corridor = 1,  ///< More of the field, around where the robot is.
+  plan = 2,      ///< The robot has to drive against the field: a new plan, if the map has changed.
+};
+
+/// What a robot lacks to go on by itself. Asked again while it does.
+struct CorridorRequest {
+  std::uint64_t command = 0;  ///< [Limit: ≠ 0]
+  std::uint32_t revision = 0;
+  std::int32_t x_mm = 0;  ///< Where it is.
+  std::int32_t y_mm = 0;
+  std::uint8_t half_width = 1;  ///< [cells] How wide. [Limit: 1 … kMaxCorridorHalfWidth]
+  CorridorWish wish = CorridorWish::corridor;
+  friend bool operator==(const CorridorRequest&, const CorridorRequest&) = default;
+};
+
 /// The session ends in good order.
 struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
@@ -242,22 +263,36 @@ struct Command {
   std::int32_t goal_y_mm = 0;
   /// [1e-4 rad] Turned to on the spot once the goal is reached; none: any will do.
   std::optional<std::int32_t> goal_yaw_1e4rad{};
-  std::uint16_t path_points = 0;  ///< In all parts. [Limit: ≤ kMaxPathPoints]
+  /// The path ends early, as it is too long to be sent at once: the robot asks for the rest.
+  bool path_cut = false;
+  std::uint16_t path_bytes = 0;  ///< In all parts. [Limit: ≤ kMaxPathBytes]
   friend bool operator==(const Command&, const Command&) = default;
 };
 
-/// Points `first` … of a command's path.
+/// Bytes of a command's path, from part · kPartBytes on.
 struct PathPart {
   std::uint64_t command = 0;
   std::uint32_t revision = 0;
-  std::uint16_t first = 0;
-  struct Point {
-    std::int32_t x_mm = 0;
-    std::int32_t y_mm = 0;
-    friend bool operator==(const Point&, const Point&) = default;
-  };
-  std::vector<Point> points;  ///< [Limit: 1 … kMaxPartPoints]
+  std::uint8_t part = 0;            ///< [Limit: < kMaxPathBytes / kPartBytes]
+  std::vector<std::uint8_t> bytes;  ///< [Limit: 1 … kPartBytes]
   friend bool operator==(const PathPart&, const PathPart&) = default;
+};
+inline constexpr std::size_t kMaxPathParts = kMaxPathBytes / kPartBytes;
+
+/// The field in the cells around a stretch of way (see Corridor in core/planner/corridor.h), which
+/// can be read without any other. The way is some points of the command's path, or one of its own:
+/// from where the robot asked down the field.
+struct CorridorPart {
+  std::uint64_t command = 0;  ///< [Limit: ≠ 0]
+  std::uint32_t revision = 0;
+  std::uint64_t map_version = 0;  ///< Snapshot the field is of.
+  std::uint16_t first = 0;        ///< Point of the path that it begins with.
+  std::uint16_t count = 1;        ///< [points] [Limit: ≥ 1]
+  std::uint8_t half_width = 1;    ///< [cells] [Limit: 1 … kMaxCorridorHalfWidth]
+  /// Its own path, coded; none: the command's. [Limit: ≤ kMaxSpineBytes]
+  std::vector<std::uint8_t> spine;
+  std::vector<std::uint8_t> directions;  ///< [Limit: 1 … kMaxCorridorBytes]
+  friend bool operator==(const CorridorPart&, const CorridorPart&) = default;
 };
 
 /// Blocks of one tile of the long-term map as they now are: a patch on an empty image. Cells that
@@ -296,8 +331,9 @@ struct Ack {
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 
-using Record = std::variant<Hello, PoseReport, SpoolReport, SubmapHead, EvidencePatch,
-                            CommandReport, Bye, Welcome, Reject, Reset, Refusal, Command, PathPart,
-                            MapPatch, SubmapMove, MapCommit, GroundLost, MapDigest, Ack>;
+using Record =
+    std::variant<Hello, PoseReport, SpoolReport, SubmapHead, EvidencePatch, CommandReport,
+                 CorridorRequest, Bye, Welcome, Reject, Reset, Refusal, Command, PathPart,
+                 CorridorPart, MapPatch, SubmapMove, MapCommit, GroundLost, MapDigest, Ack>;
 
 }  // namespace cairn::proto

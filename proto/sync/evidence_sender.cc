@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdlib>
 #include <utility>
 
 #include "proto/sync/flight.h"
@@ -34,6 +35,7 @@ bool EvidenceSender::Outgoing::held() const {
 
 Submap& EvidenceSender::begin(std::uint64_t boot, SubmapPose T_site_submap, int cell_size_mm) {
   assert(open_submap() == nullptr);
+  view_.reset();
   if (submaps_.size() >= kMaxSubmaps) drop_oldest_closed();
   const SubmapId id{boot, ++last_sequence_};
   Outgoing& outgoing =
@@ -153,6 +155,11 @@ std::vector<EvidenceSender::Departure> EvidenceSender::take_departures() {
 
 // ---- Filling frames -----------------------------------------------------------------------------
 
+void EvidenceSender::begin_round(std::uint32_t last_number) {
+  round_turn_ = turn_;
+  patches_.begin_round(last_number);
+}
+
 int EvidenceSender::fill(FrameWriter& frame, std::uint32_t number) {
   while (!cargoes_.empty() && cargoes_.begin()->first + Flight::kReach <= number) {
     cargoes_.erase(cargoes_.begin());
@@ -161,7 +168,7 @@ int EvidenceSender::fill(FrameWriter& frame, std::uint32_t number) {
   int added = 0;
   for (auto& [sequence, outgoing] : submaps_) {
     added += fill_from(outgoing, frame, number, cargo);
-    const bool frame_is_full = !outgoing.waiting.empty() || outgoing.head_is_news();
+    const bool frame_is_full = outgoing.waits_since(round_turn_) || outgoing.head_is_news();
     if (frame_is_full) break;
   }
   if (added > 0) cargoes_[number] = std::move(cargo);
@@ -171,7 +178,7 @@ int EvidenceSender::fill(FrameWriter& frame, std::uint32_t number) {
 int EvidenceSender::fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number,
                               Cargo& cargo) {
   int added = 0;
-  const bool blocks_need_head = outgoing.head.acked == 0 && !outgoing.waiting.empty();
+  const bool blocks_need_head = outgoing.head.acked == 0 && outgoing.waits_since(round_turn_);
   if (outgoing.head_is_news() || blocks_need_head) {
     if (!add_head(outgoing, frame, number, cargo)) return 0;
     ++added;
@@ -194,17 +201,35 @@ int EvidenceSender::add_blocks(Outgoing& outgoing, FrameWriter& frame, std::uint
                                Cargo& cargo) {
   const auto updates = next_updates(outgoing, frame.room_bytes());
   if (updates.empty()) return 0;
-  const auto taken = patches_.fill(frame, number, updates);
+  const auto view = outgoing.submap.closed ? std::nullopt : view_;
+  const auto taken = patches_.fill(frame, number, updates, view);
   for (const std::size_t i : taken) set_out(outgoing, updates[i], number, cargo);
   return taken.empty() ? 0 : 1;
 }
 
+/// The round's blocks, the nearest to the robot first; without a place those that waited longest.
+std::vector<BlockKey> EvidenceSender::in_turn(const Outgoing& outgoing) const {
+  std::vector<BlockKey> keys;
+  for (const auto& [turn, key] : outgoing.waiting) {
+    if (turn <= round_turn_) keys.push_back(key);
+  }
+  if (!view_ || outgoing.submap.closed) return keys;
+  const auto distance = [this](const BlockKey& key) {
+    const int first = index_in_tile(key.block, 0);
+    const std::int64_t dx = key.tile.tx * Tile::kSize + first % Tile::kSize + kBlockSize / 2;
+    const std::int64_t dy = key.tile.ty * Tile::kSize + first / Tile::kSize + kBlockSize / 2;
+    return std::max(std::abs(dx - view_->at.x), std::abs(dy - view_->at.y));
+  };
+  std::ranges::stable_sort(keys, {}, distance);
+  return keys;
+}
+
 /// The blocks whose turn it is, as many as could fit into so much room.
 std::vector<BlockUpdate> EvidenceSender::next_updates(const Outgoing& outgoing,
-                                                      std::size_t room_bytes) {
+                                                      std::size_t room_bytes) const {
   std::vector<BlockUpdate> updates;
   std::size_t cells = 0;
-  for (const auto& [turn, key] : outgoing.waiting) {
+  for (const BlockKey& key : in_turn(outgoing)) {
     if (cells * kLeastBitsPerCell > room_bytes * 8 || updates.size() == kMaxPatchBlocks) break;
     const std::uint32_t acked = outgoing.blocks.at(key).acked;
     BlockUpdate update{
@@ -325,6 +350,12 @@ void EvidenceSender::no_longer_under_way(Outgoing& outgoing, Block& block) {
 bool EvidenceSender::has_news() const {
   return std::ranges::any_of(submaps_, [](const auto& entry) {
     return entry.second.head_is_news() || !entry.second.waiting.empty();
+  });
+}
+
+bool EvidenceSender::round_has_news() const {
+  return std::ranges::any_of(submaps_, [this](const auto& entry) {
+    return entry.second.head_is_news() || entry.second.waits_since(round_turn_);
   });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -76,8 +77,13 @@ class EvidenceSender {
   /// How finely the caller writes the submaps, for their patches.
   void set_coarseness(const Coarseness& coarseness) { patches_.set_coarseness(coarseness); }
 
-  /// Evidence sets out (again) after frame `last_number`.
-  void begin_round(std::uint32_t last_number) { patches_.begin_round(last_number); }
+  /// Where the robot is in the open submap: what changed there goes first.
+  void set_view(const Viewpoint& view) { view_ = view; }
+
+  /// Evidence sets out (again) after frame `last_number`: every block that now has news, once.
+  /// What changes or is lost meanwhile waits for the next round, so that on a slow link rounds
+  /// become longer and cells that change again and again travel less often.
+  void begin_round(std::uint32_t last_number);
 
   /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first, after them
   /// those of earlier boots. A block with
@@ -100,7 +106,8 @@ class EvidenceSender {
 
   /// The server holds all of this boot's submaps up to this sequence, except dropped ones.
   [[nodiscard]] std::uint32_t held_up_to() const;
-  [[nodiscard]] bool has_news() const;               ///< `fill` would add something.
+  [[nodiscard]] bool has_news() const;               ///< A round would have something to send.
+  [[nodiscard]] bool round_has_news() const;         ///< `fill` would add something.
   [[nodiscard]] bool synchronised() const;           ///< The peer holds everything.
   [[nodiscard]] std::size_t backlog_blocks() const;  ///< Blocks not acknowledged at their newest.
   [[nodiscard]] std::size_t submaps() const;
@@ -125,6 +132,10 @@ class EvidenceSender {
     Outgoing(SubmapId id, SubmapPose pose, int cell_size_mm);
     [[nodiscard]] bool head_is_news() const;
     [[nodiscard]] bool held() const;  ///< Closed, and the peer has all of it.
+    /// A block waits that was sent in no turn after this one.
+    [[nodiscard]] bool waits_since(std::uint64_t turn) const {
+      return !waiting.empty() && waiting.begin()->first <= turn;
+    }
 
     Submap submap;
     std::uint64_t revision = 0;
@@ -153,8 +164,9 @@ class EvidenceSender {
   int fill_from(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
   bool add_head(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
   int add_blocks(Outgoing& outgoing, FrameWriter& frame, std::uint32_t number, Cargo& cargo);
-  [[nodiscard]] static std::vector<BlockUpdate> next_updates(const Outgoing& outgoing,
-                                                             std::size_t room_bytes);
+  [[nodiscard]] std::vector<BlockUpdate> next_updates(const Outgoing& outgoing,
+                                                      std::size_t room_bytes) const;
+  [[nodiscard]] std::vector<BlockKey> in_turn(const Outgoing& outgoing) const;
   void set_out(Outgoing& outgoing, const BlockUpdate& update, std::uint32_t number, Cargo& cargo);
   void item_acked(const Cargo::Item& item);
   void item_lost(const Cargo::Item& item, std::uint32_t number);
@@ -174,6 +186,9 @@ class EvidenceSender {
   std::uint32_t last_sequence_ = 0;
   std::uint32_t edition_ = 0;
   std::uint64_t turn_ = 0;
+  /// The last turn before the round; before the first round everything may go.
+  std::uint64_t round_turn_ = std::numeric_limits<std::uint64_t>::max();
+  std::optional<Viewpoint> view_;  ///< In the open submap.
   std::uint64_t dropped_submaps_ = 0;
 };
 

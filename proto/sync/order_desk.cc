@@ -1,6 +1,6 @@
 #include "proto/sync/order_desk.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace cairn::proto {
 
@@ -18,12 +18,20 @@ OrderDesk::Outcome OrderDesk::on_part(const PathPart& part) {
   const Key key{part.command, part.revision};
   if (key < newest_) return {};
   begin_if_newer(key);
-  const std::size_t end = part.first + part.points.size();
-  if (handed_out_ || end > kMaxPathPoints) return {};
-  if (points_.size() < end) points_.resize(end);
-  std::ranges::copy(part.points, points_.begin() + part.first);
-  for (std::size_t i = part.first; i < end; ++i) have_.set(i);
+  if (handed_out_) return {};
+  parts_.at(part.part) = part.bytes;
   return hand_out_if_complete();
+}
+
+void OrderDesk::on_corridor(const CorridorPart& corridor) {
+  const Key key{corridor.command, corridor.revision};
+  if (key < newest_) return;
+  begin_if_newer(key);
+  if (corridors_.size() < kMaxCorridors) corridors_.push_back(corridor);
+}
+
+std::vector<CorridorPart> OrderDesk::take_corridors() {
+  return handed_out_ ? std::exchange(corridors_, {}) : std::vector<CorridorPart>();
 }
 
 void OrderDesk::forget() { *this = {}; }
@@ -35,18 +43,21 @@ void OrderDesk::begin_if_newer(const Key& key) {
 }
 
 OrderDesk::Outcome OrderDesk::hand_out_if_complete() {
-  if (handed_out_ || !complete()) return {};
+  if (handed_out_ || !command_) return {};
+  auto path = whole_path();
+  if (!path) return {};
   handed_out_ = true;
-  points_.resize(command_->path_points);
-  return {.order = Order{*command_, std::move(points_)}, .superseded = {}, .asked_again = {}};
+  parts_ = {};
+  return {.order = Order{*command_, *std::move(path)}, .superseded = {}, .asked_again = {}};
 }
 
-bool OrderDesk::complete() const {
-  if (!command_) return false;
-  for (std::size_t i = 0; i < command_->path_points; ++i) {
-    if (!have_[i]) return false;
+std::optional<std::vector<std::uint8_t>> OrderDesk::whole_path() const {
+  std::vector<std::uint8_t> path;
+  for (std::size_t i = 0; path.size() < command_->path_bytes; ++i) {
+    if (i == parts_.size() || parts_.at(i).empty()) return std::nullopt;
+    path.insert(path.end(), parts_.at(i).begin(), parts_.at(i).end());
   }
-  return true;
+  return path;
 }
 
 }  // namespace cairn::proto

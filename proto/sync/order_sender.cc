@@ -6,19 +6,19 @@
 
 namespace cairn::proto {
 
-void OrderSender::set(Command command, const std::vector<PathPart::Point>& path,
+void OrderSender::set(Command command, const std::vector<std::uint8_t>& path,
                       MonotonicTime expires_at) {
-  assert(path.size() <= kMaxPathPoints);
+  assert(path.size() <= kMaxPathBytes);
   *this = {};
-  command.path_points = static_cast<std::uint16_t>(path.size());
-  for (std::size_t first = 0; first < path.size(); first += kMaxPartPoints) {
-    const std::size_t count = std::min(kMaxPartPoints, path.size() - first);
+  command.path_bytes = static_cast<std::uint16_t>(path.size());
+  for (std::size_t first = 0; first < path.size(); first += kPartBytes) {
+    const std::size_t count = std::min(kPartBytes, path.size() - first);
     const auto begin = path.begin() + static_cast<std::ptrdiff_t>(first);
     Part part;
     part.part = {.command = command.id,
                  .revision = command.revision,
-                 .first = static_cast<std::uint16_t>(first),
-                 .points = {begin, begin + static_cast<std::ptrdiff_t>(count)}};
+                 .part = static_cast<std::uint8_t>(first / kPartBytes),
+                 .bytes = {begin, begin + static_cast<std::ptrdiff_t>(count)}};
     parts_.push_back(std::move(part));
   }
   command_ = std::move(command);
@@ -56,6 +56,7 @@ bool OrderSender::fill_command(FrameWriter& frame, std::uint32_t number,
   if (!frame.add(*command_)) return false;
   record_.sent(number);
   asked_at_ = now;
+  if (command_->path_bytes <= kShortPath) (void)fill_parts(frame, number);
   return true;
 }
 

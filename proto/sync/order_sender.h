@@ -18,8 +18,12 @@ class OrderSender {
   static constexpr Duration kFirstAskWait = std::chrono::seconds(1);
   static constexpr Duration kMostAskWait = std::chrono::seconds(30);
 
-  /// Replaces what was being sent. Requires: path.size() ≤ kMaxPathPoints.
-  void set(Command command, const std::vector<PathPart::Point>& path, MonotonicTime expires_at);
+  /// [bytes] A path up to here travels with its record, in one short frame.
+  static constexpr std::size_t kShortPath = 160;
+
+  /// Replaces what was being sent. `path`: coded; what that means is not looked at.
+  /// Requires: path.size() ≤ kMaxPathBytes.
+  void set(Command command, const std::vector<std::uint8_t>& path, MonotonicTime expires_at);
   /// The robot spoke of the command: nothing of it need be sent any more.
   void on_report(const CommandReport& report);
 
@@ -31,7 +35,7 @@ class OrderSender {
   /// Of `has_news`: it is the record, which goes before its parts.
   [[nodiscard]] bool record_waits() const { return command_ && record_.waits(); }
   [[nodiscard]] MonotonicTime expires_at() const { return expires_at_; }
-  /// Each returns whether it added something.
+  /// Each returns whether it added something. With the record goes a short path that waits.
   bool fill_command(FrameWriter& frame, std::uint32_t number, std::uint64_t expires_clock_ms,
                     MonotonicTime now);
   bool fill_parts(FrameWriter& frame, std::uint32_t number);
@@ -48,7 +52,7 @@ class OrderSender {
 
   std::optional<Command> command_;  ///< nullopt: none, or the robot reported on it.
   Transit record_;
-  std::vector<Part> parts_;  ///< [Limit: ≤ kMaxPathPoints / kMaxPartPoints, rounded up]
+  std::vector<Part> parts_;  ///< [Limit: ≤ kMaxPathParts]
   MonotonicTime expires_at_{};
   MonotonicTime asked_at_{};
   Duration ask_wait_ = kFirstAskWait;

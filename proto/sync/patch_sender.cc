@@ -32,7 +32,8 @@ void PatchSender::begin_round(std::uint32_t last_number) {
 }
 
 std::vector<std::size_t> PatchSender::fill(FrameWriter& frame, std::uint32_t number,
-                                           std::span<const BlockUpdate> blocks) {
+                                           std::span<const BlockUpdate> blocks,
+                                           const std::optional<Viewpoint>& view) {
   while (!sent_.empty() && sent_.begin()->first + Flight::kReach <= number) {
     sent_.erase(sent_.begin());
   }
@@ -41,7 +42,8 @@ std::vector<std::size_t> PatchSender::fill(FrameWriter& frame, std::uint32_t num
   const std::size_t head = kPatchHeadBytes + patch.ground.back.size();
   if (frame.room_bytes() <= head) return {};
   const std::size_t room = std::min(frame.room_bytes() - head, kMaxPatchBytes);
-  PatchBytes written = write_patch(blocks, {patch.sequence, tick_}, coarseness_, image_, room);
+  PatchBytes written =
+      write_patch(blocks, {patch.sequence, tick_, view}, coarseness_, image_, room);
   patch.bytes = std::move(written.bytes);
   if (written.taken.empty() || !frame.add(patch)) return {};
   Part part{patch.sequence, tick_, {}};

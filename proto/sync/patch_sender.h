@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,10 @@ class PatchSender {
   void begin_round(std::uint32_t last_number);
   /// Adds a patch of as many of these blocks, the first ones first, as the frame has room for.
   /// Returns their indices. Numbers ascend. Requires: as write_patch.
+  /// `view`: where the robot is in the blocks' submap, if it is in it.
   std::vector<std::size_t> fill(FrameWriter& frame, std::uint32_t number,
-                                std::span<const BlockUpdate> blocks);
+                                std::span<const BlockUpdate> blocks,
+                                const std::optional<Viewpoint>& view);
   void on_acked(std::uint32_t number);
   /// A new session: both ends begin with an empty image.
   void on_session();

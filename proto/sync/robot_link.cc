@@ -21,7 +21,8 @@ bool holds_order(const Frame& frame) {
 bool holds_map(const Frame& frame) {
   return std::ranges::any_of(frame.records, [](const Record& record) {
     return std::holds_alternative<MapPatch>(record) || std::holds_alternative<SubmapMove>(record) ||
-           std::holds_alternative<MapCommit>(record);
+           std::holds_alternative<MapCommit>(record) ||
+           std::holds_alternative<CorridorPart>(record);
   });
 }
 
@@ -75,6 +76,8 @@ RobotLink::RobotLink(RobotLinkConfig config, std::size_t carrier_overhead_bytes)
 void RobotLink::set_pose(const PoseReport& pose) { pose_ = pose; }
 
 void RobotLink::report(const CommandReport& report) { reports_.post(report); }
+
+void RobotLink::request(const CorridorRequest& request) { request_ = {.record = request}; }
 
 std::optional<Duration> RobotLink::silence(MonotonicTime now) const {
   if (!heard_at_) return std::nullopt;
@@ -148,6 +151,7 @@ void RobotLink::begin_session(const Welcome& welcome) {
   round_open_ = false;
   round_due_ = {};
   reports_.on_session();
+  if (request_) request_->transit.again();
   map_.on_session();
   digests_.on_session();
   digests_due_.reset();
@@ -190,6 +194,7 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
       take(orders_.on_command(*command), orders);
     }
     if (const auto* part = std::get_if<PathPart>(&record)) take(orders_.on_part(*part), orders);
+    if (const auto* corridor = std::get_if<CorridorPart>(&record)) orders_.on_corridor(*corridor);
     take_map(record);
   }
   return orders;
@@ -224,7 +229,9 @@ void RobotLink::on_ack(const Ack& ack, MonotonicTime now) {
     evidence_.on_acked(number);
     reports_.on_acked(number);
     digests_.on_acked(number);
+    if (request_) request_->transit.on_acked(number);
   }
+  if (request_ && request_->transit.acknowledged()) request_.reset();
   lost(news.lost);
 }
 
@@ -244,6 +251,7 @@ void RobotLink::lost(const std::vector<std::uint32_t>& numbers) {
     evidence_.on_lost(number);
     reports_.on_lost(number);
     digests_.on_lost(number);
+    if (request_) request_->transit.on_lost(number);
   }
 }
 
@@ -301,7 +309,11 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
     map_unacked_ = 0;
   }
   const bool pose_due = pose_is_due(now);
-  const bool reports = reports_.fill(frame, number) > 0;
+  bool urgent = reports_.fill(frame, number) > 0;
+  if (request_waits() && frame.add(request_->record)) {
+    request_->transit.sent(number);
+    urgent = true;
+  }
   const bool first_pose = pose_ && !told_;
   const bool pose = pose_due && frame.add(*pose_);
   if (pose) {
@@ -310,15 +322,15 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
     add_spool_if_due(frame, now);
   }
   // What somebody waits for travels in short frames, and so does a session's first pose.
-  const bool brief = reports || first_pose;
+  const bool brief = urgent || first_pose;
   const bool digests = !brief && digests_may_go(now) && digests_.fill(frame, number) > 0;
   const bool evidence = !brief && evidence_may_go(now) && evidence_.fill(frame, number) > 0;
-  if (!evidence_.has_news()) round_open_ = false;
+  if (!evidence_.round_has_news()) round_open_ = false;
   const std::size_t bytes = frame.size_bytes() + overhead_bytes_;
   const bool map = evidence || digests;
   budget_.sent(map ? Traffic::map : pose ? Traffic::pose : Traffic::control, bytes, now);
-  if (reports || map) {
-    const auto load = reports ? Flight::Load::urgent : Flight::Load::evidence;
+  if (urgent || map) {
+    const auto load = urgent ? Flight::Load::urgent : Flight::Load::evidence;
     flight_.sent(number, load, {bytes, budget_.total()}, now);
     if (!unanswered_since_) unanswered_since_ = now;
   }
@@ -365,6 +377,7 @@ MonotonicTime RobotLink::pose_due(MonotonicTime now) const {
 bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= pose_due(now); }
 
 void RobotLink::open_round_if_due(MonotonicTime now) {
+  round_open_ = round_open_ && evidence_.round_has_news();
   if (round_open_ || now < round_due(now) || !evidence_.has_news()) return;
   round_open_ = true;
   evidence_.begin_round(flight_.last_number());
@@ -379,7 +392,7 @@ MonotonicTime RobotLink::round_due(MonotonicTime now) const {
 }
 
 bool RobotLink::evidence_waits() const {
-  return round_open_ && flight_.evidence_may_go() && evidence_.has_news();
+  return round_open_ && flight_.evidence_may_go() && evidence_.round_has_news();
 }
 
 bool RobotLink::evidence_may_go(MonotonicTime now) const {
@@ -405,7 +418,7 @@ void RobotLink::tell_digests(std::vector<MapDigest> digests, MonotonicTime now) 
 
 bool RobotLink::something_is_due(MonotonicTime now) const {
   const bool ack = ack_due_ && now >= *ack_due_;
-  return ack || reports_.has_news() || pose_is_due(now) || digests_may_go(now) ||
+  return ack || reports_.has_news() || request_waits() || pose_is_due(now) || digests_may_go(now) ||
          evidence_may_go(now);
 }
 
@@ -417,7 +430,8 @@ MonotonicTime RobotLink::next_due(MonotonicTime now) const {
   if (ack_due_) due = std::min(due, *ack_due_);
   if (pose_) due = std::min(due, pose_due(now));
   if (evidence_waits() || digests_wait()) due = std::min(due, budget_.due(Traffic::map, now));
-  if (!round_open_ && evidence_.has_news()) due = std::min(due, round_due(now));
+  const bool round_ended = !round_open_ || !evidence_.round_has_news();
+  if (round_ended && evidence_.has_news()) due = std::min(due, round_due(now));
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);
   return std::max(now, due);

@@ -19,6 +19,7 @@
 #include "proto/sync/map_inbox.h"
 #include "proto/sync/order_desk.h"
 #include "proto/sync/report_board.h"
+#include "proto/sync/transit.h"
 
 namespace cairn::proto {
 
@@ -86,6 +87,8 @@ class RobotLink {
   void set_spool(const SpoolReport& spool) { spool_ = spool; }
   /// Newest state of a command's revision; saying the same again changes nothing.
   void report(const CommandReport& report);
+  /// What the robot lacks; replaces what it asked for before.
+  void request(const CorridorRequest& request);
 
   using Order = proto::Order;
   /// What a frame brought. A malformed frame is counted and brings nothing.
@@ -99,6 +102,8 @@ class RobotLink {
   [[nodiscard]] DigestWish digest_wish(MonotonicTime now) const;
   /// To a wish for all: of all that is held, the last one marked so, even if nothing is.
   void tell_digests(std::vector<MapDigest> digests, MonotonicTime now);
+  /// What came of the corridor of the order that was handed out last.
+  std::vector<CorridorPart> take_corridors() { return orders_.take_corridors(); }
   /// The next frame to send now; nullopt when nothing is due. Call until nullopt.
   std::optional<std::vector<std::uint8_t>> next_frame(MonotonicTime now);
   /// When `next_frame` should be asked again even if nothing arrives.
@@ -140,6 +145,7 @@ class RobotLink {
   [[nodiscard]] MonotonicTime pose_due(MonotonicTime now) const;
   [[nodiscard]] bool pose_is_due(MonotonicTime now) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
+  [[nodiscard]] bool request_waits() const { return request_ && request_->transit.waits(); }
   [[nodiscard]] bool evidence_waits() const;
   [[nodiscard]] bool evidence_may_go(MonotonicTime now) const;
   [[nodiscard]] bool digests_may_go(MonotonicTime now) const;
@@ -174,6 +180,12 @@ class RobotLink {
   EvidenceSender evidence_;
   ReportBoard reports_;
   OrderDesk orders_;
+  /// Until acknowledged.
+  struct Request {
+    CorridorRequest record;
+    Transit transit = {};
+  };
+  std::optional<Request> request_;
   MapInbox map_;
   DigestSender digests_;
   std::optional<MonotonicTime> digests_due_;  ///< nullopt: all, at once.

@@ -8,8 +8,8 @@
 namespace cairn::proto {
 namespace {
 
-bool elicits_ack(const ServerLink::Evidence& evidence, bool others) {
-  return others || !evidence.heads.empty() || !evidence.blocks.empty();
+bool elicits_ack(const ServerLink::Evidence& evidence, bool answer_soon) {
+  return answer_soon || !evidence.heads.empty() || !evidence.blocks.empty();
 }
 
 bool same_block(const Refusal& a, const Refusal& b) {
@@ -48,7 +48,7 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
 
   std::vector<Event> events;
   Evidence evidence{.number = number, .heads = {}, .blocks = {}, .earlier = {}};
-  bool asks = false;  ///< For an acknowledgement, beside evidence.
+  bool answer_soon = false;  ///< Whatever evidence there is.
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
     if (const auto* head = std::get_if<SubmapHead>(&record)) evidence.heads.push_back(*head);
@@ -58,16 +58,20 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
     }
     if (const auto* spool = std::get_if<SpoolReport>(&record)) events.emplace_back(*spool);
     if (const auto* digest = std::get_if<MapDigest>(&record)) {
-      asks = true;
+      answer_soon = true;
       events.emplace_back(*digest);
     }
     if (const auto* report = std::get_if<CommandReport>(&record)) {
-      asks = true;
+      answer_soon = true;
       if (take(*report, number)) events.emplace_back(*report);
+    }
+    if (const auto* request = std::get_if<CorridorRequest>(&record)) {
+      answer_soon = true;
+      events.emplace_back(*request);
     }
   }
   if (!read_patches(frame, evidence.blocks) || !name_earlier(evidence)) return events;
-  const bool eager = elicits_ack(evidence, asks);
+  const bool eager = elicits_ack(evidence, answer_soon);
   if (!evidence.heads.empty() || !evidence.blocks.empty()) {
     events.emplace_back(std::move(evidence));
   } else {
@@ -140,6 +144,7 @@ void ServerLink::on_ack(const Ack& ack, MonotonicTime now) {
   counters_.frames_lost -= news.found_again;
   for (const std::uint32_t number : news.acked) {
     orders_.on_acked(number);
+    corridors_.on_acked(number);
     map_.on_acked(number);
   }
   lost(news.lost);
@@ -187,15 +192,19 @@ void ServerLink::refuse(const Refusal& refusal) {
 
 void ServerLink::welcome_again() { welcome_due_ = true; }
 
-void ServerLink::command(Command command, const std::vector<PathPart::Point>& path,
+void ServerLink::command(Command command, const std::vector<std::uint8_t>& path,
                          Duration expires_in, MonotonicTime now) {
+  corridors_.clear();
   orders_.set(std::move(command), path, now + expires_in);
 }
+
+void ServerLink::corridor(CorridorPart part) { corridors_.add(std::move(part)); }
 
 void ServerLink::lost(const std::vector<std::uint32_t>& numbers) {
   counters_.frames_lost += numbers.size();
   for (const std::uint32_t number : numbers) {
     orders_.on_lost(number);
+    corridors_.on_lost(number);
     map_.on_lost(number);
   }
 }
@@ -245,7 +254,11 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   const bool parts = details && orders_.fill_parts(frame, number);
   if (details) add_refusals(frame);
   if (details && ground_lost_ && frame.add(*ground_lost_)) ground_lost_.reset();
-  const bool map = map_may_go(now) && map_.fill(frame, number) > 0;
+  bool map = false;
+  if (map_may_go(now)) {
+    map = corridors_.fill(frame, number) > 0;
+    map = map_.fill(frame, number) > 0 || map;
+  }
   if (map) return finish(std::move(frame), Traffic::map, Flight::Load::evidence, now);
   if (parts) return finish(std::move(frame), Traffic::pose, Flight::Load::other, now);
   return finish(std::move(frame), details ? Traffic::pose : Traffic::control, std::nullopt, now);

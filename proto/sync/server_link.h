@@ -14,6 +14,7 @@
 #include "proto/codec/frame.h"
 #include "proto/sync/ack_log.h"
 #include "proto/sync/budget.h"
+#include "proto/sync/corridor_sender.h"
 #include "proto/sync/flight.h"
 #include "proto/sync/map_sender.h"
 #include "proto/sync/order_sender.h"
@@ -47,7 +48,8 @@ class ServerLink {
     /// The submap that a sequence of this frame names. `boot`: the session's.
     [[nodiscard]] SubmapId submap(std::uint64_t boot, std::uint32_t sequence) const;
   };
-  using Event = std::variant<PoseReport, SpoolReport, CommandReport, MapDigest, Evidence, Bye>;
+  using Event = std::variant<PoseReport, SpoolReport, CommandReport, CorridorRequest, MapDigest,
+                             Evidence, Bye>;
   /// [submaps] Of earlier boots, whose borrowed names are remembered; the lowest goes first.
   static constexpr std::size_t kMaxBorrowed = 1024;
 
@@ -68,9 +70,11 @@ class ServerLink {
   /// The command to be carried out now; replaces the one before. Sent, and resent with fresh
   /// times, until the robot reports on this id and revision. `expires_in` is counted from `now` and
   /// translated into the robot's clock from its newest stamp, so that delay shortens it, never
-  /// lengthens it.
-  void command(Command command, const std::vector<PathPart::Point>& path, Duration expires_in,
+  /// lengthens it. Requires: path.size() ≤ kMaxPathBytes.
+  void command(Command command, const std::vector<std::uint8_t>& path, Duration expires_in,
                MonotonicTime now);
+  /// A corridor of that command's revision; it is sent after the command, before the map.
+  void corridor(CorridorPart part);
 
   /// The long-term map on its way to the robot; of this session.
   [[nodiscard]] MapSender& map() { return map_; }
@@ -111,7 +115,10 @@ class ServerLink {
   void count(const Frame& frame, std::size_t bytes);
   [[nodiscard]] std::uint64_t in_robot_clock(MonotonicTime time) const;
   [[nodiscard]] bool something_is_due(MonotonicTime now) const;
-  [[nodiscard]] bool map_waits() const { return map_.has_news() && flight_.evidence_may_go(); }
+  /// Corridors count as map: nobody waits for them, most robots never need them.
+  [[nodiscard]] bool map_waits() const {
+    return (corridors_.has_news() || map_.has_news()) && flight_.evidence_may_go();
+  }
   [[nodiscard]] bool map_may_go(MonotonicTime now) const;
   /// The parts of a path, and refusals: paced, but before the map.
   [[nodiscard]] bool detail_waits() const {
@@ -142,6 +149,7 @@ class ServerLink {
   Stamp stamp_;
   std::uint64_t newest_pose_ms_ = 0;
   OrderSender orders_;
+  CorridorSender corridors_;
   MapSender map_;
   PatchReceiver patches_;
   std::optional<GroundLost> ground_lost_;       ///< To be said.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/common/angle.h"
+#include "robot_agent/drive/pick_up.h"
 
 namespace cairn::agent {
 
@@ -77,13 +78,12 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
   if (to_ms(clock) >= command_.expires_clock_ms) {
     return end(CommandState::expired, "it was already too old when it came");
   }
-  std::vector<Eigen::Vector2d> path_m;
-  for (const proto::PathPart::Point& point : order.path) {
-    path_m.emplace_back(point.x_mm / 1000.0, point.y_mm / 1000.0);
-  }
-  if (path_m.empty()) return end(CommandState::refused, "it has no path");
-  path_points_ = path_m.size();
-  follower_.emplace(config_.follower, std::move(path_m));
+  if (order.path.empty()) return end(CommandState::refused, "it has no path");
+  auto path = read_path(command_, order.path);
+  if (!path) return end(CommandState::refused, path.error().message);
+  way_cut_ = command_.path_cut;
+  follower_.emplace(config_.follower, path->points_m);
+  field_.begin(command_, *std::move(path));
   way_back_m_.reset();
   at_end_ = false;
   state_ = DriveState::driving;
@@ -194,7 +194,7 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
   if (at_end_) {
     if (way_back_m_) {
       end(CommandState::stopped, "the link was lost: came back all the way");
-    } else if (path_points_ < proto::kMaxPathPoints) {
+    } else if (!way_cut_) {
       return turn_to_heading(pose);
     } else {
       block("the path ends here: the rest, please", clock);
@@ -208,10 +208,14 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
   const LocalView view(map.cells, map.cell_size_mm, map.min_probability, place_m,
                        config_.look_m + 1.0, own_limits());
   if (backing_from_m_) {
+    field_.pause();
     if (const DriveCommand backing = back_up(pose, view); backing.speed_m_s < 0.0) return backing;
     backing_from_m_.reset();
   }
-  if (const auto command = go_on_escaping(pose, map)) return *command;
+  if (const auto command = go_on_escaping(pose, map)) {
+    field_.pause();
+    return *command;
+  }
   std::vector<Eigen::Vector2d> way = follower_->ahead();
   way.insert(way.begin(), place_m);
   const Ahead ahead = view.look_along(way, config_.look_m);
@@ -228,12 +232,15 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
       return {};
     }
   }
-  const auto command = with_room(follower_->steer(pose, speed_limit_m_s(ahead)), pose, map);
+  const double limit_m_s = speed_limit_m_s(ahead);
+  auto command = with_room(follower_->steer(pose, limit_m_s), pose, map);
+  if (!command) command = with_room(follower_->steer_closely(pose, limit_m_s), pose, map);
   if (!command) {
     wait_or_go_around("there is no room to drive on here", config_.stop_short_m, pose, map, clock,
                       silence);
     return {};
   }
+  if (!way_back_m_) field_.look(way, map.cell_size_mm, clock);
   state_ = DriveState::driving;
   blocked_since_ = {};
   blocked_reported_ = false;
@@ -271,9 +278,8 @@ bool Driver::escape(const Pose& pose, const OwnMap& map) {
 std::optional<DriveCommand> Driver::go_on_escaping(const Pose& pose, const OwnMap& map) {
   if (!escape_) return std::nullopt;
   if (!room_around(pose, map).open_at({pose.x_m, pose.y_m})) {
-    const auto back = escape_->step(pose);
-    const auto command = back ? with_room(*back, pose, map) : std::nullopt;
-    if (command) return command;
+    // Where it has just driven nothing is in the way, whatever the map says of the ground there.
+    if (const auto back = escape_->step(pose)) return back;
   }
   escape_.reset();
   return std::nullopt;
@@ -323,11 +329,13 @@ void Driver::wait_or_go_around(const std::string& why, double clear_m, const Pos
   const bool for_long = blocked_since_ != MonotonicTime{} && clock - blocked_since_ >= patience;
   const bool alone = !silence || *silence > config_.alone_after;
   if (for_long && (go_around(clear_m, pose, map, alone) || escape(pose, map))) return;
+  if (for_long && !way_back_m_) field_.closed_in({pose.x_m, pose.y_m}, clock);
   block(why, clock);
 }
 
 bool Driver::go_around(double clear_m, const Pose& pose, const OwnMap& map, bool alone) {
   if (detours_ >= config_.most_detours) return false;
+  if (!way_back_m_ && pick_up(pose, map)) return true;
   const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
   std::vector<DetourReach> reaches{DetourReach::near};
   if (alone) reaches.push_back(DetourReach::far);
@@ -335,15 +343,30 @@ bool Driver::go_around(double clear_m, const Pose& pose, const OwnMap& map, bool
     for (const VehicleLimits& limits : {config_.limits, own_limits()}) {
       auto way_m = way_around(map, limits, place_m, follower_->ahead(), clear_m, reach);
       if (!way_m) continue;
-      ++detours_;
-      follower_.emplace(config_.follower, std::move(*way_m));
-      follower_->advance(place_m);
-      state_ = DriveState::driving;
-      blocked_since_ = {};
+      set_way(*std::move(way_m), pose);
       return true;
     }
   }
   return false;
+}
+
+bool Driver::pick_up(const Pose& pose, const OwnMap& map) {
+  for (const VehicleLimits& limits : {config_.limits, own_limits()}) {
+    auto picked = pick_up_field(map, limits, {pose.x_m, pose.y_m}, field_.corridor());
+    if (!picked) continue;
+    set_way(std::move(picked->way_m), pose);
+    way_cut_ = !picked->to_goal;
+    return true;
+  }
+  return false;
+}
+
+void Driver::set_way(std::vector<Eigen::Vector2d> way_m, const Pose& pose) {
+  ++detours_;
+  follower_.emplace(config_.follower, std::move(way_m));
+  follower_->advance({pose.x_m, pose.y_m});
+  state_ = DriveState::driving;
+  blocked_since_ = {};
 }
 
 VehicleLimits Driver::own_limits() const {

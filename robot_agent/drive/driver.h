@@ -12,6 +12,7 @@
 #include "proto/sync/robot_link.h"
 #include "robot_agent/drive/detour.h"
 #include "robot_agent/drive/escape.h"
+#include "robot_agent/drive/field_watch.h"
 #include "robot_agent/drive/footprint.h"
 #include "robot_agent/drive/local_view.h"
 #include "robot_agent/drive/path_follower.h"
@@ -27,7 +28,7 @@ struct DriverConfig {
   /// [m] Around its middle the robot itself insists on this much less room than the server plans
   /// with, so that noise in a cell at the rim does not stop it.
   double margin_m = 0.1;
-  double arrive_m = 0.04;  ///< [m] Nearer to the end than this is arrived.
+  double arrive_m = 0.025;  ///< [m] Nearer to the end than this is arrived.
   /// [rad] Nearer to the goal's heading than this is arrived, if the goal has one. Below the 3°
   /// that are promised: a robot rolls on a little.
   double arrive_rad = 0.035;
@@ -59,16 +60,21 @@ struct DriverConfig {
 /// Carries out commands: one at a time, newest wins. Stops by itself when the command expires, when
 /// the link is silent for too long (if the command says so: there, or back along its track until
 /// the server is heard again) and when the robot tilts. Where the way is closed for more than a
-/// moment it goes around, on its own map; where it finds no way around it waits for the server's
-/// next path; closed in, it backs out along its track. Whatever it follows, its footprint gets over
-/// no obstacle of its map. A robot that is not sure where it is drives slowly; a lost one does not
-/// drive, it looks around.
+/// moment it goes around, on its own map: it picks up the order's field where that leads, or else
+/// its path; where it finds no way around it waits for the server's next path; closed in, it backs
+/// out along its track. Whatever it follows, its footprint gets over no obstacle of its map. A
+/// robot that is not sure where it is drives slowly; a lost one does not drive, it looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
 
   /// A command from the server. `clock` is the robot's own.
   void take(const proto::RobotLink::Order& order, const Pose& pose, MonotonicTime clock);
+
+  /// Directions of the field around the way of a command.
+  void take(const proto::CorridorPart& corridor, int cell_size_mm) {
+    field_.take(corridor, cell_size_mm);
+  }
 
   /// How sure the robot is of where it is, and what that rests on.
   void set_localization(LocalizationState state, const std::string& why);
@@ -80,6 +86,10 @@ class Driver {
 
   /// What became of commands since this was last asked.
   [[nodiscard]] std::vector<proto::CommandReport> take_reports();
+  /// What the server should be asked for, once each.
+  [[nodiscard]] std::optional<proto::CorridorRequest> take_request() {
+    return field_.take_request();
+  }
 
   [[nodiscard]] proto::DriveState state() const { return state_; }
   [[nodiscard]] std::uint64_t command() const { return busy() ? command_.id : 0; }
@@ -120,6 +130,9 @@ class Driver {
   [[nodiscard]] std::optional<DriveCommand> with_room(const DriveCommand& command, const Pose& pose,
                                                       const OwnMap& map) const;
   bool go_around(double clear_m, const Pose& pose, const OwnMap& map, bool alone);
+  /// Leaves the path and picks the field up elsewhere.
+  bool pick_up(const Pose& pose, const OwnMap& map);
+  void set_way(std::vector<Eigen::Vector2d> way_m, const Pose& pose);
   /// What the robot itself insists on: `margin_m` less room than the server plans with.
   [[nodiscard]] VehicleLimits own_limits() const;
   /// [m/s] Slow enough to stop before what is closed, on unseen ground, and while unsure.
@@ -135,8 +148,9 @@ class Driver {
   proto::DriveState state_ = proto::DriveState::idle;
   proto::Command command_;
   std::optional<PathFollower> follower_;
-  std::size_t path_points_ = 0;
-  bool at_end_ = false;  ///< The path's end was reached: it turns to the goal's heading.
+  bool way_cut_ = false;  ///< What is driven along ends early: there is more to ask for.
+  bool at_end_ = false;   ///< The path's end was reached: it turns to the goal's heading.
+  FieldWatch field_;
   Track track_;
   /// [m] What lay before the robot when it turned back for the link's sake; only while it does.
   std::optional<double> way_back_m_;

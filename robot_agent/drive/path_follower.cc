@@ -76,8 +76,8 @@ double PathFollower::to_go_m() const {
 
 double PathFollower::off_path_m() const { return (place_m_ - foot_m_).norm(); }
 
-Eigen::Vector2d PathFollower::target() const {
-  double left_m = config_.lookahead_m;
+Eigen::Vector2d PathFollower::target(double lookahead_m) const {
+  double left_m = lookahead_m;
   Eigen::Vector2d from = foot_m_;
   for (std::size_t i = leg_ + 1; i < path_m_.size(); ++i) {
     const double leg_m = (path_m_[i] - from).norm();
@@ -89,10 +89,20 @@ Eigen::Vector2d PathFollower::target() const {
 }
 
 DriveCommand PathFollower::steer(const Pose& pose, double limit_m_s) const {
-  const Eigen::Vector2d to_target = target() - Eigen::Vector2d(pose.x_m, pose.y_m);
+  return steer_to(target(config_.lookahead_m), config_.turn_in_place_rad, pose, limit_m_s);
+}
+
+DriveCommand PathFollower::steer_closely(const Pose& pose, double limit_m_s) const {
+  return steer_to(target(config_.close_lookahead_m), config_.close_turn_rad, pose,
+                  std::min(limit_m_s, config_.close_speed_m_s));
+}
+
+DriveCommand PathFollower::steer_to(const Eigen::Vector2d& target_m, double turn_in_place_rad,
+                                    const Pose& pose, double limit_m_s) const {
+  const Eigen::Vector2d to_target = target_m - Eigen::Vector2d(pose.x_m, pose.y_m);
   const double distance_m = to_target.norm();
   const double error_rad = wrap_angle(std::atan2(to_target.y(), to_target.x()) - pose.yaw_rad);
-  if (std::abs(error_rad) > config_.turn_in_place_rad) {
+  if (std::abs(error_rad) > turn_in_place_rad) {
     return {0.0, turn_on_the_spot_rad_s(config_, error_rad)};
   }
   const double brake_m_s = std::sqrt(2.0 * config_.deceleration_m_s2 * to_go_m());

@@ -72,6 +72,7 @@ void Agent::tell(MonotonicTime clock) {
     link_.report(report);
     if (is_end(report.state)) journey_ = Journey{report, mapper_.pose(), input_.truth()};
   }
+  if (const auto request = driver_.take_request()) link_.request(*request);
   const Pose& pose = mapper_.pose();
   proto::PoseReport report;
   report.clock_ms = to_ms(clock);
@@ -112,6 +113,10 @@ Status Agent::exchange(MonotonicTime clock, std::chrono::milliseconds wait) {
                       "this robot replays a log and cannot drive"});
       }
     }
+  }
+  for (const proto::CorridorPart& corridor : link_.take_corridors()) {
+    driver_.take(corridor, mapper_.cell_size_mm());
+    ++corridors_;
   }
   take_map();
   compare_maps(clock);

@@ -58,6 +58,8 @@ class Agent {
   [[nodiscard]] const proto::RobotLink& link() const { return link_; }
   [[nodiscard]] const Mapper& mapper() const { return mapper_; }
   [[nodiscard]] const Driver& driver() const { return driver_; }
+  /// That came for its orders.
+  [[nodiscard]] std::uint64_t corridors() const { return corridors_; }
   /// The newest order that ended since this was last asked.
   [[nodiscard]] std::optional<Journey> take_journey() { return std::exchange(journey_, {}); }
 
@@ -79,6 +81,7 @@ class Agent {
   DriveCommand wheels_;
   std::optional<Journey> journey_;
   std::size_t next_digest_ = 0;
+  std::uint64_t corridors_ = 0;
 };
 
 }  // namespace cairn::agent

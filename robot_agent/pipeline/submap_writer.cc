@@ -138,6 +138,9 @@ void SubmapWriter::note(const std::vector<CellIndex>& changed) {
 }
 
 void SubmapWriter::tell_when_due(const Pose& T_site_robot, MonotonicTime now) {
+  const Pose T_submap = in_submap(T_site_robot);
+  evidence_.set_view(
+      {surface_.cell_at(T_submap.x_m, T_submap.y_m), proto::heading_of(T_submap.yaw_rad)});
   const double way_m =
       std::hypot(T_site_robot.x_m - stood_at_.x_m, T_site_robot.y_m - stood_at_.y_m);
   const double turn_rad = std::abs(wrap_angle(T_site_robot.yaw_rad - stood_at_.yaw_rad));

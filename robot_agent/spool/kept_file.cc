@@ -15,7 +15,7 @@ namespace cairn::agent {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {'C', 'N', 'K', 'S'};
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
 /// [bytes] Of a patch: far more than its bound of cells takes.
 constexpr std::size_t kMaxPatchBytes = 32'768;
 constexpr std::size_t kChecksumBytes = 4;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "proto/codec/tile_snapshot.h"
 #include "proto/json/envelope.h"
 
 namespace cairn::server {
@@ -33,7 +34,7 @@ Outbox::Message Outbox::next_tile() {
   auto& transfer = maps_.front();
   const auto& [key, tile] = transfer.map.tiles[transfer.sent++];
   Message message{.binary = true, .bytes = {}, .ends_request = false};
-  const auto bytes = tile->bytes();
+  const auto bytes = proto::write_tile_snapshot(*tile);
   message.bytes.reserve(api::TileHead::kBytes + bytes.size());
   api::append_tile_head({transfer.request, key}, message.bytes);
   message.bytes.append(bytes.begin(), bytes.end());

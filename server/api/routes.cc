@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "proto/codec/tile_snapshot.h"
 #include "proto/json/envelope.h"
 #include "server/api/metrics.h"
 
@@ -79,7 +80,7 @@ HttpAnswer tile_answer(const Result<Service::Map>& map, const TileKey& key) {
   const auto& tiles = map->tiles;
   const auto found = std::ranges::find_if(tiles, [&](const auto& t) { return t.first == key; });
   if (found == tiles.end()) return not_found("nothing is known in this tile");
-  const auto bytes = found->second->bytes();
+  const auto bytes = proto::write_tile_snapshot(*found->second);
   return {200, "application/octet-stream", std::string(bytes.begin(), bytes.end())};
 }
 

@@ -198,6 +198,8 @@ void Hub::take_events(Robot& robot, std::vector<proto::ServerLink::Event> events
       listener_.reported(robot, *report);
     } else if (const auto* digest = std::get_if<proto::MapDigest>(&event)) {
       compare(robot, *digest);
+    } else if (const auto* request = std::get_if<proto::CorridorRequest>(&event)) {
+      listener_.asked(robot, *request);
     } else if (auto* evidence = std::get_if<proto::ServerLink::Evidence>(&event)) {
       submit(robot, std::move(*evidence));
     } else if (std::holds_alternative<proto::Bye>(event)) {
@@ -252,8 +254,13 @@ void Hub::answer(std::size_t carrier, const std::string& peer, std::uint32_t ses
 }
 
 void Hub::command(Robot& robot, const proto::Command& command,
-                  const std::vector<proto::PathPart::Point>& path, Duration expires_in) {
+                  const std::vector<std::uint8_t>& path, Duration expires_in) {
   robot.link->command(command, path, expires_in, now());
+  pump(robot);
+}
+
+void Hub::corridor(Robot& robot, std::vector<proto::CorridorPart> parts) {
+  for (proto::CorridorPart& part : parts) robot.link->corridor(std::move(part));
   pump(robot);
 }
 

@@ -31,6 +31,8 @@ class Hub : public std::enable_shared_from_this<Hub> {
     /// A robot opened a session.
     std::function<void(Robot&)> connected;
     std::function<void(Robot&, const proto::CommandReport&)> reported;
+    /// A robot asks for more of its field, or a new plan.
+    std::function<void(Robot&, const proto::CorridorRequest&)> asked;
     /// The site of that name; null when there is none.
     std::function<std::shared_ptr<Site>(const std::string&)> site_named;
   };
@@ -44,9 +46,12 @@ class Hub : public std::enable_shared_from_this<Hub> {
   /// Stops the receiving threads and timers; returns when they have ended.
   void stop();
 
-  /// Sends a command to a robot, over and over until the robot reports on it.
-  void command(Robot& robot, const proto::Command& command,
-               const std::vector<proto::PathPart::Point>& path, Duration expires_in);
+  /// Sends a command and its coded path to a robot, over and over until the robot reports on it.
+  void command(Robot& robot, const proto::Command& command, const std::vector<std::uint8_t>& path,
+               Duration expires_in);
+
+  /// Of the command's present revision; goes after it.
+  void corridor(Robot& robot, std::vector<proto::CorridorPart> parts);
 
   /// Null when no such robot was ever seen.
   [[nodiscard]] Robot* find(const std::string& robot);

@@ -95,6 +95,11 @@ Path KeptField::plan(const PlanTarget& target) const {
                  : cairn::plan(*closed_, target.request, target.planner);
 }
 
+bool KeptField::fill(Corridor& corridor) const {
+  if (keeper_) corridor.fill(keeper_->grid(), keeper_->field());
+  return keeper_.has_value();
+}
+
 std::size_t KeptField::memory_bytes() const {
   return (keeper_ ? keeper_->memory_bytes() : 0) + (map_ ? map_->memory_bytes : 0);
 }

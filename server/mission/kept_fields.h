@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "core/planner/corridor.h"
 #include "core/planner/field_keeper.h"
 #include "core/planner/plan.h"
 #include "server/mission/planning.h"
@@ -33,6 +34,8 @@ class KeptField {
   /// Requires: follow succeeded.
   [[nodiscard]] const DrivableGrid& grid() const { return keeper_ ? keeper_->grid() : *closed_; }
   [[nodiscard]] Path plan(const PlanTarget& target) const;
+  /// Fills in the field's directions; false when there is no field, as the goal is closed.
+  [[nodiscard]] bool fill(Corridor& corridor) const;
   /// A closed goal has no field to keep.
   [[nodiscard]] bool worth_keeping() const { return keeper_.has_value(); }
   /// [bytes] With the tiles of the snapshot, which may be its last owner.

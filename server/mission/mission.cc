@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/mission/corridors.h"
 #include "server/mission/planning.h"
 
 namespace cairn::server {
@@ -50,19 +51,6 @@ std::vector<api::PointJson> to_json_points(const std::vector<Eigen::Vector2d>& p
   std::vector<api::PointJson> points;
   points.reserve(points_m.size());
   for (const Eigen::Vector2d& p : points_m) points.push_back({p.x(), p.y()});
-  return points;
-}
-
-std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
-
-/// The path as the wire carries it; one too long for it is cut, and the robot asks for the rest
-/// when it gets there (it ends short of the goal, so it reports "blocked").
-std::vector<proto::PathPart::Point> to_wire_points(const std::vector<Eigen::Vector2d>& points_m) {
-  std::vector<proto::PathPart::Point> points;
-  for (const Eigen::Vector2d& p : points_m) {
-    if (points.size() == proto::kMaxPathPoints) break;
-    points.push_back({to_mm(p.x()), to_mm(p.y())});
-  }
   return points;
 }
 
@@ -138,15 +126,29 @@ void Mission::stop(const api::StopRequest& request, const Reply& reply) {
   goal.expires = Hub::now() + std::chrono::hours(1);
   Planned planned;
   planned.path.status = PathStatus::complete;
-  issue((*found)->id, std::move(goal), planned, reply);
+  // The robot stops at once; the operator is told when no restart can bring the task back.
+  issue((*found)->id, std::move(goal), planned,
+        [self = shared_from_this(), id = (*found)->id, reply](Result<api::CommandReply> sent) {
+          Duty& duty = self->duties_[id];
+          if (!sent || duty.tasks.newest() == nullptr) return reply(std::move(sent));
+          self->keep(self->hub_->robots().at(id), duty, [reply, sent](const Status& written) {
+            if (!written) return reply(written.error());
+            reply(sent);
+          });
+        });
 }
 
-void Mission::plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vector2d> keep_m,
-                   OnPlanned done) {
+PlanTarget Mission::target_of(const Robot& robot, const Goal& goal) {
   PlanTarget target{robot.site->info().name, robot.site->snapshot(), {}, goal.planner};
   target.request.start_m = {robot.x_m(), robot.y_m()};
   target.request.goal_m = {goal.command.goal_x_mm / 1000.0, goal.command.goal_y_mm / 1000.0};
   target.request.allow_partial = goal.allow_partial;
+  return target;
+}
+
+void Mission::plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vector2d> keep_m,
+                   OnPlanned done) {
+  PlanTarget target = target_of(robot, goal);
   std::optional<ExploreWish> exploring;
   if (const auto duty = duties_.find(robot.id); goal.of_task && duty != duties_.end()) {
     Task* task = duty->second.tasks.current();
@@ -208,11 +210,12 @@ void Mission::issue(const std::string& id, Goal goal, const Planned& planned, co
 
 void Mission::send(Robot& robot, Goal& goal) {
   ++goal.command.revision;
-  const std::vector<proto::PathPart::Point> path = to_wire_points(goal.path_m);
-  goal.command.path_points = static_cast<std::uint16_t>(path.size());
+  const WirePath wire = to_wire(goal.path_m, robot.site->info().cell_size_mm);
+  goal.command.path_cut = wire.cut;
   goal.command.link_timeout_ms = static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(config_.link_timeout).count());
-  hub_->command(robot, goal.command, path, goal.expires - Hub::now());
+  hub_->command(robot, goal.command, wire.bytes, goal.expires - Hub::now());
+  offer_corridor(robot, goal, {});
 }
 
 void Mission::connected(Robot& robot) {
@@ -292,7 +295,7 @@ void Mission::cancel(Robot& robot, Goal& goal) {
   proto::Command cancel = goal.command;  // The same command, so that nothing supersedes its story.
   cancel.kind = proto::CommandKind::stop;
   cancel.revision = ++goal.command.revision;
-  cancel.path_points = 0;
+  cancel.path_cut = false;
   goal.cancelling = true;
   hub_->command(robot, cancel, {}, std::chrono::minutes(10));
 }
@@ -310,7 +313,11 @@ void Mission::tick() {
   for (auto& [id, goal] : goals_) {
     if (Robot* robot = hub_->find(id); robot != nullptr && goal.active()) check(*robot, goal);
   }
-  for (auto& [id, robot] : hub_->robots()) mind(robot, duties_[id]);
+  for (auto& [id, robot] : hub_->robots()) {
+    Duty& duty = duties_[id];
+    mind(robot, duty);
+    keep_what_changed(robot, duty);
+  }
   timer_.expires_after(kTick);
   timer_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
     if (!error) self->tick();

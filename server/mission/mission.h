@@ -16,6 +16,7 @@
 #include "server/link/hub.h"
 #include "server/mission/exploring.h"
 #include "server/mission/kept_fields.h"
+#include "server/mission/kept_tasks.h"
 #include "server/mission/task.h"
 
 namespace cairn::server {
@@ -31,8 +32,9 @@ struct MissionConfig {
 /// of legs; each leg is one *goal*, a command to the robot whose path is kept right while the map
 /// changes: the rest of the way is checked against each new snapshot and planned anew when it is no
 /// longer open or the robot says that it is blocked. When a leg ends the task's next one begins.
-/// Lives on the control strand; planning itself runs on the executor's threads. Tasks live as long
-/// as the server; a robot finishes the leg it drives without it.
+/// Lives on the control strand; planning itself runs on the executor's threads. Tasks are
+/// kept in their site's store: what an operator was told is accepted outlives the server, and goes
+/// on when the robot is heard again. A robot finishes the leg it drives without it.
 class Mission : public std::enable_shared_from_this<Mission> {
  public:
   Mission(Hub::Strand strand, boost::asio::any_io_executor executor, std::shared_ptr<Hub> hub,
@@ -45,6 +47,9 @@ class Mission : public std::enable_shared_from_this<Mission> {
 
   void connected(Robot& robot);
   void reported(Robot& robot, const proto::CommandReport& report);
+  void asked(Robot& robot, const proto::CorridorRequest& request);
+  /// Takes up what the site's store keeps of robots' tasks. Before start.
+  void restore(const Site& site);
   void start();
   void halt();
 
@@ -68,6 +73,10 @@ class Mission : public std::enable_shared_from_this<Mission> {
   static constexpr Duration kLookPause = std::chrono::milliseconds(1500);
   /// Whether there is still something new at a frontier is looked at this often.
   static constexpr Duration kLookPeriod = std::chrono::seconds(1);
+  /// How tasks get on is written this often at most.
+  static constexpr Duration kKeepPeriod = std::chrono::seconds(1);
+  /// A robot is given more of its field this often at most.
+  static constexpr Duration kCorridorPeriod = std::chrono::seconds(1);
   /// [m/s] Taken for a robot whose speed is not known yet.
   static constexpr double kUsualSpeed = 0.4;
 
@@ -87,6 +96,8 @@ class Mission : public std::enable_shared_from_this<Mission> {
     int times_blocked_here = 0;
     std::uint64_t checked_map = 0;  ///< Snapshot version that the path was last checked on.
     MonotonicTime next_check{};
+    bool corridor_busy = false;  ///< One is being made on another thread.
+    MonotonicTime next_corridor{};
     bool of_task = false;  ///< A leg; its task wants to know how it ended.
     [[nodiscard]] bool active() const {
       return state == "sent" || state == "accepted" || state == "blocked";
@@ -111,11 +122,16 @@ class Mission : public std::enable_shared_from_this<Mission> {
     std::uint64_t boot = 0;
     Eigen::Vector2d home_m = Eigen::Vector2d::Zero();  ///< Where the boot was first seen.
     double speed_m_s = kUsualSpeed;                    ///< Lately, while driving.
+    std::string site;                                  ///< Whose store keeps it; empty: none yet.
+    std::uint64_t newest_task = 0;                     ///< It ever had.
+    std::string kept_tasks;  ///< What the store was last told, see fingerprint.
+    MonotonicTime keep_after{};
   };
 
   Result<Robot*> robot_for(const std::optional<std::string>& name);
   /// The same, and it has told its pose.
   Result<Robot*> placed_robot_for(const std::optional<std::string>& name);
+  [[nodiscard]] static PlanTarget target_of(const Robot& robot, const Goal& goal);
   /// Plans on the executor; `keep_m` is the present path, kept when the rest of it is open.
   void plan(const Robot& robot, const Goal& goal, std::vector<Eigen::Vector2d> keep_m,
             OnPlanned done);
@@ -128,6 +144,19 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void give_up(Robot& robot, Goal& goal, const std::string& why);
   void tick();
 
+  // What outlives the server (mission_keeping.cc).
+  /// `done` is called when it is durable, or could not be made so.
+  void keep(const Robot& robot, Duty& duty, std::function<void(Status)> done);
+  void keep_what_changed(const Robot& robot, Duty& duty);
+  [[nodiscard]] static std::string fingerprint(const TaskQueue& tasks);
+
+  // The field around a goal's way (mission_corridors.cc).
+  /// Along the goal's path; for a robot that asks, from where it is.
+  void offer_corridor(const Robot& robot, Goal& goal,
+                      const std::optional<proto::CorridorRequest>& request);
+  void corridor_made(const std::string& robot, std::uint64_t command,
+                     std::vector<proto::CorridorPart> parts);
+
   // Tasks (mission_tasks.cc).
   [[nodiscard]] Task new_task(TaskKind kind, const std::string& on_link_loss, double expires_s);
   /// Begins a task in place of what the robot does, or queues it.
@@ -135,6 +164,9 @@ class Mission : public std::enable_shared_from_this<Mission> {
   [[nodiscard]] static Goal leg_of(const Task& task);
   [[nodiscard]] ExploreWish wish_of(const Robot& robot, const Task& task) const;
   void plan_leg(const Robot& robot, const Task& task, OnPlanned done);
+  /// The robot's first task begins: its first leg was planned, and it is kept.
+  void begin(const std::string& robot, const Task& task, const Planned& planned,
+             const Reply& reply);
   /// The next leg of the robot's first task, when it is time.
   void go_on(Robot& robot, Duty& duty);
   void leg_planned(const std::string& robot, std::uint64_t task, const Planned& planned);

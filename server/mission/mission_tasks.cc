@@ -145,7 +145,11 @@ void Mission::take(Robot& robot, Task task, bool queue, const Reply& reply) {
     answer.status = "queued";
     answer.task = task.id;
     if (Status queued = duty.tasks.append(std::move(task)); !queued) return reply(queued.error());
-    return reply(answer);
+    return keep(robot, duty, [self = shared_from_this(), answer, reply](const Status& written) {
+      if (written) return reply(answer);
+      self->duties_[answer.robot].tasks.withdraw(answer.task);
+      reply(written.error());
+    });
   }
   // What the robot does now goes on until there is something to put in its place.
   plan_leg(robot, task, [self = shared_from_this(), id = robot.id, task, reply](const Planned& p) {
@@ -155,29 +159,52 @@ void Mission::take(Robot& robot, Task task, bool queue, const Reply& reply) {
       const std::string why = task.kind == TaskKind::explore ? "" : "no path: ";
       return reply(Error{ErrorCode::invalid_argument, why + p.path.why});
     }
+    const TaskQueue before = ours.tasks;
     ours.tasks.replace(task, "replaced by another task");
-    if (others_first) {
-      api::CommandReply answer;
-      answer.robot = id;
-      answer.status = "queued";
-      answer.why = kOthersFirst;
-      answer.task = task.id;
-      return reply(answer);
-    }
     ours.beginning = true;
     ours.waited = false;
-    Goal goal = leg_of(task);
-    if (p.choice.frontier) {
-      goal.command.goal_x_mm = to_mm(p.choice.frontier->place_m.x());
-      goal.command.goal_y_mm = to_mm(p.choice.frontier->place_m.y());
-    }
-    self->issue(id, std::move(goal), p,
-                [self, id, reply, number = task.id](Result<api::CommandReply> sent) {
-                  self->leg_issued(id, number, sent ? std::string() : sent.error().message);
-                  if (sent) sent->task = number;
-                  reply(std::move(sent));
-                });
+    self->keep(self->hub_->robots().at(id), ours,
+               [self, id, task, p, before, reply](const Status& written) {
+                 if (written) return self->begin(id, task, p, reply);
+                 Duty& duty_now = self->duties_[id];
+                 const Task* current = duty_now.tasks.current();
+                 if (current != nullptr && current->id == task.id) {
+                   duty_now.tasks = before;
+                   duty_now.beginning = false;
+                 }
+                 reply(written.error());
+               });
   });
+}
+
+void Mission::begin(const std::string& id, const Task& task, const Planned& planned,
+                    const Reply& reply) {
+  Duty& duty = duties_[id];
+  const Task* current = duty.tasks.current();
+  if (current == nullptr) duty.beginning = false;
+  if (current == nullptr || current->id != task.id) {
+    return reply(Error{ErrorCode::conflict, "another command came in its place meanwhile"});
+  }
+  if (!planned.choice.frontier && planned.choice.claimed > 0) {
+    duty.beginning = false;
+    api::CommandReply answer;
+    answer.robot = id;
+    answer.status = "queued";
+    answer.why = kOthersFirst;
+    answer.task = task.id;
+    return reply(answer);
+  }
+  Goal goal = leg_of(task);
+  if (planned.choice.frontier) {
+    goal.command.goal_x_mm = to_mm(planned.choice.frontier->place_m.x());
+    goal.command.goal_y_mm = to_mm(planned.choice.frontier->place_m.y());
+  }
+  issue(id, std::move(goal), planned,
+        [self = shared_from_this(), id, reply, number = task.id](Result<api::CommandReply> sent) {
+          self->leg_issued(id, number, sent ? std::string() : sent.error().message);
+          if (sent) sent->task = number;
+          reply(std::move(sent));
+        });
 }
 
 // ---- Legs ---------------------------------------------------------------------------------------
@@ -331,9 +358,14 @@ void Mission::leg_ended(Robot& robot, const Goal& goal, LegEnd how) {
 
 void Mission::mind(Robot& robot, Duty& duty) {
   if (!robot.pose || !robot.link) return;
+  if (!duty.site.empty() && duty.site != robot.site->info().name) {
+    duty.tasks.cancel("the robot is on another site now");
+    duty.site.clear();
+  }
   if (duty.boot != robot.link->boot() && robot.pose_of_session) {
     duty.boot = robot.link->boot();
     duty.home_m = place_of(robot);
+    duty.kept_tasks.clear();  // Home goes with them.
   }
   if (robot.pose->drive == proto::DriveState::driving) {
     constexpr double kNewest = 0.02;

@@ -58,6 +58,10 @@ Status TaskQueue::append(Task task) {
   return {};
 }
 
+void TaskQueue::withdraw(std::uint64_t id) {
+  std::erase_if(tasks_, [&](const Task& task) { return task.id == id; });
+}
+
 void TaskQueue::cancel(const std::string& why) {
   if (tasks_.empty()) return;
   end(tasks_.front(), TaskState::cancelled, why);

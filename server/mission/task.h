@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/common/result.h"
@@ -70,10 +71,17 @@ class TaskQueue {
   /// [tasks]
   static constexpr std::size_t kMaxWaiting = 16;
 
+  TaskQueue() = default;
+  /// As it was kept. Requires: at most 1 + kMaxWaiting tasks.
+  TaskQueue(std::deque<Task> tasks, std::optional<Task> last)
+      : tasks_(std::move(tasks)), last_(std::move(last)) {}
+
   /// In place of all there is; what was active is cancelled for `why`.
   void replace(Task task, const std::string& why);
   /// exhausted when kMaxWaiting wait already.
   Status append(Task task);
+  /// Takes one that waits out again, as if it had never come.
+  void withdraw(std::uint64_t id);
   /// Ends all of it; nothing happens when nothing is active.
   void cancel(const std::string& why);
   /// The active one; null when there is none.
@@ -84,6 +92,10 @@ class TaskQueue {
 
   /// The active task, or the last that ended.
   [[nodiscard]] const Task* newest() const;
+  /// The active one, then those that wait.
+  [[nodiscard]] const std::deque<Task>& all() const { return tasks_; }
+  /// The last that ended.
+  [[nodiscard]] const std::optional<Task>& last() const { return last_; }
   [[nodiscard]] std::size_t waiting() const { return tasks_.empty() ? 0 : tasks_.size() - 1; }
 
  private:

@@ -10,6 +10,7 @@
 #include "proto/codec/bytes.h"
 #include "proto/codec/frame.h"
 #include "proto/codec/text.h"
+#include "proto/codec/tile_snapshot.h"
 
 namespace cairn::server {
 namespace {
@@ -313,14 +314,15 @@ Result<Bytes> encode(const TileRow& row) {
   if (!storable(row.key)) return refused("a tile lies outside of any map");
   Bytes body;
   ByteWriter(body).put(row.version);
-  body.insert(body.end(), row.tile.bytes().begin(), row.tile.bytes().end());
+  const Bytes tile = proto::write_tile_snapshot(row.tile);
+  body.insert(body.end(), tile.begin(), tile.end());
   return body;
 }
 
 Result<TileRow> decode_tile(const TileKey& key, ByteSpan body) {
   ByteReader in(body);
   const auto version = in.get<std::uint64_t>();
-  auto tile = PackedTile::from_bytes(in.take(in.left()));
+  auto tile = proto::read_tile_snapshot(in.take(in.left()));
   if (!tile) return tile.error();
   return TileRow{.key = key, .version = version, .tile = std::move(tile).value()};
 }

@@ -11,7 +11,7 @@ namespace cairn::server {
 /// PRAGMA application_id of every site file: "CRN1".
 inline constexpr std::int64_t kSiteFileMagic = 0x43524E31;
 /// PRAGMA user_version: the format of FORMAT.md that this Cairn reads and writes.
-inline constexpr std::int64_t kSiteFileVersion = 2;
+inline constexpr std::int64_t kSiteFileVersion = 3;
 
 /// Makes the file with its tables and its site row, whole or not at all. Errors as
 /// SqliteStore::create.

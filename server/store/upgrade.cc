@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/map/packed_tile.h"
+#include "proto/codec/tile_snapshot.h"
 #include "server/store/row_codec.h"
 
 namespace cairn::server {
@@ -69,14 +71,66 @@ Status from_1_to_2(sqlite::Database& database) {
   return done;
 }
 
+struct RawTile {
+  std::int64_t packed_key = 0;
+  Bytes body;
+};
+
+/// The tile rows that are sound.
+Result<std::vector<RawTile>> sound_tiles(sqlite::Database& database) {
+  auto rows = database.prepare("SELECT key, body, crc FROM tile");
+  if (!rows) return rows.error();
+  std::vector<RawTile> all;
+  for (;;) {
+    const auto row = rows->step();
+    if (!row) return row.error();
+    if (!*row) return all;
+    const ByteSpan body = rows->bytes(1);
+    RawTile tile{rows->integer(0), Bytes(body.begin(), body.end())};
+    const Bytes key = key_of(unpack_tile(tile.packed_key));
+    if (rows->integer(2) == std::int64_t{row_crc(key, tile.body)}) all.push_back(std::move(tile));
+  }
+}
+
+/// A tile's body as format 3 has it; as it was when it is no body of format 2.
+Bytes compressed(const Bytes& body) {
+  constexpr std::size_t kVersionBytes = 8;
+  if (body.size() < kVersionBytes) return body;
+  const auto tile = PackedTile::from_bytes(ByteSpan(body).subspan(kVersionBytes));
+  if (!tile) return body;
+  Bytes small(body.begin(), body.begin() + kVersionBytes);
+  const Bytes snapshot = proto::write_tile_snapshot(*tile);
+  small.insert(small.end(), snapshot.begin(), snapshot.end());
+  return small;
+}
+
+/// Format 2 held tiles as they are in memory.
+Status from_2_to_3(sqlite::Database& database) {
+  const auto tiles = sound_tiles(database);
+  if (!tiles) return tiles.error();
+  auto update = database.prepare("UPDATE tile SET body = ?2, crc = ?3 WHERE key = ?1");
+  if (!update) return update.error();
+  for (const RawTile& tile : *tiles) {
+    const Bytes body = compressed(tile.body);
+    const Bytes key = key_of(unpack_tile(tile.packed_key));
+    Status done = update->bind(1, tile.packed_key)
+                      .bind(2, ByteSpan(body))
+                      .bind(3, std::int64_t{row_crc(key, body)})
+                      .run();
+    if (!done) return done;
+  }
+  return database.execute("PRAGMA user_version = 3");
+}
+
 }  // namespace
 
 Status bring_up_to_date(sqlite::Database& database) {
   const auto version = database.query_integer("PRAGMA user_version");
   if (!version) return version.error();
-  if (*version != 1) return {};
+  if (*version > 2) return {};
   if (Status begun = database.execute("BEGIN IMMEDIATE"); !begun) return begun;
-  Status done = from_1_to_2(database);
+  Status done = *version == 1 ? from_1_to_2(database) : Status();
+  if (done) done = from_2_to_3(database);
   if (done) done = database.execute("COMMIT");
   if (!done && database.in_transaction()) (void)database.execute("ROLLBACK");
   return done;

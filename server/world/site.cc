@@ -132,6 +132,11 @@ void Site::next_command_id(std::function<void(Result<std::uint64_t>)> reply) {
   });
 }
 
+void Site::keep_note(std::string name, std::string value, std::function<void(Status)> done) {
+  asio::post(strand_, [self = shared_from_this(), name = std::move(name), value = std::move(value),
+                       done = std::move(done)] { done(self->world_->keep_note(name, value)); });
+}
+
 void Site::flush(std::function<void()> done) {
   asio::post(strand_, [self = shared_from_this(), done = std::move(done)] {
     self->commit();

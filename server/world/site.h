@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,11 @@ class Site : public std::enable_shared_from_this<Site> {
   void submit(std::string robot, std::uint64_t boot, proto::ServerLink::Evidence evidence,
               Done done);
   void next_command_id(std::function<void(Result<std::uint64_t>)> reply);
+  /// `done` is called on the strand when it is durable, or could not be made so.
+  void keep_note(std::string name, std::string value, std::function<void(Status)> done);
+  [[nodiscard]] const std::map<std::string, std::string>& notes_at_start() const {
+    return world_->notes_at_start();
+  }
   /// What a robot should be told next of the long-term map, see World::offer.
   void offer(const MapNeed& need, std::shared_ptr<const ToldMap> told,
              std::function<void(PreparedOffer)> reply);

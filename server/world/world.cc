@@ -52,6 +52,7 @@ Status World::load() {
   if (!notes) return notes.error();
   log_sequence_ = number_in(*notes, kLogSequence, 0);
   next_command_ = number_in(*notes, kNextCommand, 1);
+  notes_at_start_ = *notes;
 
   auto tiles = store_->tiles();
   if (!tiles) return tiles.error();
@@ -276,6 +277,12 @@ Result<std::uint64_t> World::next_command_id() {
   transaction.notes[kNextCommand] = std::to_string(next_command_ + 1);
   if (Status written = store_->commit(transaction); !written) return written.error();
   return next_command_++;
+}
+
+Status World::keep_note(const std::string& name, std::string value) {
+  Transaction transaction;
+  transaction.notes[name] = std::move(value);
+  return store_->commit(transaction);
 }
 
 }  // namespace cairn::server

@@ -91,6 +91,13 @@ class World {
   /// A number that has never been used in this site, durable before it is returned.
   Result<std::uint64_t> next_command_id();
 
+  /// Makes a small named value durable (FORMAT.md).
+  Status keep_note(const std::string& name, std::string value);
+  /// The named values as they were when the store was opened.
+  [[nodiscard]] const std::map<std::string, std::string>& notes_at_start() const {
+    return notes_at_start_;
+  }
+
   [[nodiscard]] const SiteInfo& site() const { return store_->site(); }
   [[nodiscard]] std::uint64_t submaps() const { return live_.size() + merged_.size(); }
   [[nodiscard]] std::uint64_t merged() const { return merged_.size(); }
@@ -151,6 +158,7 @@ class World {
   std::uint64_t log_sequence_ = 0;
   std::uint64_t merge_order_ = 0;
   std::uint64_t next_command_ = 1;
+  std::map<std::string, std::string> notes_at_start_;
   std::uint64_t commits_ = 0;
   mutable std::mutex snapshot_mutex_;  ///< Guards only the pointer below.
   std::shared_ptr<const MapSnapshot> snapshot_;

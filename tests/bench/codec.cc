@@ -1,5 +1,6 @@
 // Map changes as patches, against well-known libraries on the same changes: simulated drives of
 // 300 s, one delta a second, 10 mm, 16 probability levels; each delta in packets that fit a frame.
+// The same coarser and less often, for radios; and whole tiles.
 
 #include <ctime>
 #include <iostream>
@@ -7,13 +8,19 @@
 #include <string>
 #include <vector>
 
+#include "core/map/traversability.h"
 #include "proto/codec/patch.h"
+#include "robot_agent/pipeline/detail.h"
+#include "tests/bench/codec_snapshots.h"
 #include "tests/bench/delta_baselines.h"
 #include "tests/bench/drive_deltas.h"
 #include "tests/bench/report.h"
 
 namespace {
 
+using cairn::CellClass;
+using cairn::CellIndex;
+using cairn::HeightMap;
 using cairn::bench::Better;
 using cairn::bench::Delta;
 using cairn::bench::Drive;
@@ -61,7 +68,7 @@ class Link {
  public:
   Link(const cairn::Coarseness& coarseness, Cost& cost) : coarseness_(coarseness), cost_(cost) {}
 
-  void tell(Delta delta) {
+  void tell(Delta delta, const cairn::proto::Viewpoint& view) {
     ++tick_;
     cost_.deltas += 1.0;
     double write_ms = 0.0;
@@ -70,7 +77,7 @@ class Link {
     while (!delta.empty()) {
       const std::clock_t start = std::clock();
       const auto patch =
-          cairn::proto::write_patch(delta, {1, tick_}, coarseness_, image_, kMostBytes);
+          cairn::proto::write_patch(delta, {1, tick_, view}, coarseness_, image_, kMostBytes);
       write_ms += cpu_ms(start);
       const std::clock_t read_start = std::clock();
       const auto read = cairn::proto::read_patch(patch.bytes, {1, tick_}, image_);
@@ -143,11 +150,11 @@ bool measure(const std::string& world, Measured& measured, std::vector<std::stri
     }
     measured.seconds += 300.0;
     Link link({}, measured.cost);
-    std::size_t turn = 0;
-    for (const Delta& delta : drive->deltas) {
+    for (std::size_t turn = 0; turn < drive->deltas.size(); ++turn) {
+      const Delta& delta = drive->deltas[turn];
       const Cost before = measured.cost;
-      link.tell(delta);
-      if (turn++ % kEach != 0) continue;
+      link.tell(delta, drive->views[turn]);
+      if (turn % kEach != 0) continue;
       measured.compared_bytes += measured.cost.bytes - before.bytes;
       measured.compared_cells += measured.cost.cells - before.cells;
       for (std::size_t i = 0; i < baselines.size(); ++i) {
@@ -155,6 +162,72 @@ bool measure(const std::string& world, Measured& measured, std::vector<std::stri
       }
     }
   }
+  return true;
+}
+
+/// Share of the cells of two maps that a planner takes for something else. Both hold the same
+/// tiles.
+double misjudged(const HeightMap& truth, const HeightMap& told) {
+  double cells = 0.0;
+  double wrong = 0.0;
+  std::vector<CellIndex> corners;
+  for (const auto& [key, tile] : truth.tiles()) {
+    const CellIndex first{key.tx * cairn::Tile::kSize, key.ty * cairn::Tile::kSize};
+    corners.push_back(first);
+    corners.push_back({first.x + cairn::Tile::kSize - 1, first.y + cairn::Tile::kSize - 1});
+  }
+  const auto [west, east] = std::ranges::minmax(corners, {}, &CellIndex::x);
+  const auto [south, north] = std::ranges::minmax(corners, {}, &CellIndex::y);
+  const auto classes = [&](const HeightMap& map) {
+    auto grid = cairn::empty_grid({west.x, south.y}, {east.x, north.y}, map.cell_size_mm());
+    for (const auto& [key, tile] : map.tiles()) draw_tile(*grid, key, *tile, 1);
+    return classify(*grid, {});
+  };
+  const auto right = classes(truth);
+  const auto seen = classes(told);
+  for (std::size_t i = 0; i < right.size(); ++i) {
+    if (right[i] == CellClass::unknown && seen[i] == CellClass::unknown) continue;
+    cells += 1.0;
+    wrong += right[i] != seen[i] ? 1.0 : 0.0;
+  }
+  return wrong / cells;
+}
+
+/// The detail for the thinnest links, where there is most to tell.
+bool measure_radio(cairn::bench::Report& to) {
+  const cairn::agent::Detail& radio = cairn::agent::kRadioDetail;
+  Cost cost;
+  double seconds = 0.0;
+  double worst = 0.0;
+  for (const std::uint64_t seed : kSeeds) {
+    const auto drive = cairn::bench::drive_deltas({.world = "block",
+                                                   .seed = seed,
+                                                   .cadence_s = radio.period_s,
+                                                   .coarseness = radio.coarseness});
+    if (!drive) {
+      std::cerr << drive.error().message << '\n';
+      return false;
+    }
+    Link link(radio.coarseness, cost);
+    for (std::size_t i = 0; i < drive->deltas.size(); ++i) {
+      link.tell(drive->deltas[i], drive->views[i]);
+    }
+    seconds += 300.0;
+    worst = std::max(worst, misjudged(drive->exact, drive->told));
+  }
+  to.add({.name = "radio, block",
+          .value = 8.0 * cost.bytes / seconds / 1000.0,
+          .unit = "kbit/s",
+          .goal = 3.2});
+  to.add({.name = "radio, block, bits per changed cell",
+          .value = 8.0 * cost.bytes / cost.cells,
+          .unit = "bit"});
+  to.add(
+      {.name = "radio, block, cells misjudged", .value = 100.0 * worst, .unit = "%", .goal = 0.5});
+  to.add({.name = "radio, block, blocks read wrongly",
+          .value = static_cast<double>(cost.wrong),
+          .unit = "blocks",
+          .goal = 0.0});
   return true;
 }
 
@@ -211,20 +284,31 @@ void report(cairn::bench::Report& to, const std::string& world, const Measured& 
           .goal = 0.0});
 }
 
-}  // namespace
-
-int main() {
-  cairn::bench::Report to("codec");
+bool measure_drives(cairn::bench::Report& to) {
   std::vector<std::string> absent;
   for (const std::string world : {"block", "hill", "room"}) {
     Measured measured;
-    if (!measure(world, measured, absent)) return 1;
+    if (!measure(world, measured, absent)) return false;
     print(world, measured);
     report(to, world, measured);
   }
   for (const std::string& name : absent) {
     std::cout << "not compared, as its library was absent at build time: " << name << '\n';
   }
+  return true;
+}
+
+}  // namespace
+
+/// bench_codec [drives | radio | snapshots]: one part alone.
+int main(int argc, char** argv) {
+  const std::string only = argc > 1 ? argv[1] : "";
+  const auto wanted = [&](const std::string& part) { return only.empty() || only == part; };
+  cairn::bench::Report to("codec");
+  const bool measured = (!wanted("drives") || measure_drives(to)) &&
+                        (!wanted("radio") || measure_radio(to)) &&
+                        (!wanted("snapshots") || cairn::bench::measure_snapshots(to));
+  if (!measured) return 1;
   to.print(std::cout);
   return 0;
 }

@@ -1,33 +1,23 @@
 #pragma once
 
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/common/result.h"
-#include "core/delta/coarseness.h"
 #include "core/map/height_map.h"
+#include "proto/codec/patch_view.h"
 #include "proto/codec/records.h"
+#include "tests/bench/drive_about.h"
 
 namespace cairn::bench {
-
-/// How a drive is mapped and cut into changes.
-struct DriveSetting {
-  std::string world = "block";  ///< block, hill or room.
-  std::uint64_t seed = 1;
-  double duration_s = 300.0;
-  double cadence_s = 1.0;  ///< A delta each.
-  double range_m = 30.0;
-  Coarseness coarseness;
-};
 
 /// What changed in the map within one cadence, ready to be told.
 using Delta = std::vector<proto::BlockUpdate>;
 
 struct Drive {
-  std::vector<Delta> deltas;  ///< Those that hold something.
-  HeightMap exact{125};       ///< The map as its rules made it …
-  HeightMap told{125};        ///< … and as it was told.
+  std::vector<Delta> deltas;            ///< Those that hold something …
+  std::vector<proto::Viewpoint> views;  ///< … and where each was told.
+  HeightMap exact{125};                 ///< The map as its rules made it …
+  HeightMap told{125};                  ///< … and as it was told.
   double way_m = 0.0;
 };
 

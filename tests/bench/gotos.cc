@@ -293,7 +293,8 @@ int main(int argc, char** argv) {
     }
   }
   if (!usable || goals < 1 || goals > 100'000) {
-    std::cerr << "usage: " << argv[0] << " [--world NAME] [--goals N] [--seed FIRST], N from 1 to 100,000\n";
+    std::cerr << "usage: " << argv[0]
+              << " [--world NAME] [--goals N] [--seed FIRST], N from 1 to 100,000\n";
     return 2;
   }
   if (const auto made = cairn::agent::make_world(world, 1); !made) {

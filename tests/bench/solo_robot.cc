@@ -8,11 +8,14 @@
 #include <variant>
 #include <vector>
 
+#include "core/planner/corridor.h"
+
 namespace cairn::bench {
 namespace {
 
 constexpr Duration kStep = std::chrono::milliseconds(50);
 constexpr int kMostPaths = 20;
+constexpr std::uint8_t kHalfWidth = 12;  ///< [cells] Of the corridor around its paths.
 
 std::int32_t to_mm(double m) { return static_cast<std::int32_t>(std::lround(m * 1000.0)); }
 
@@ -64,7 +67,8 @@ DrivableGrid SoloRobot::ground() const {
 
 bool SoloRobot::send_path(const Eigen::Vector2d& goal_m, Trip& trip) {
   const Pose& pose = mapper_.pose();
-  const Path path = plan(ground(), {.start_m = {pose.x_m, pose.y_m}, .goal_m = goal_m}, planner());
+  const DrivableGrid known = ground();
+  const Path path = plan(known, {.start_m = {pose.x_m, pose.y_m}, .goal_m = goal_m}, planner());
   trip.why = path.why;
   if (path.status != PathStatus::complete) return false;
   if (trip.paths++ == 0) trip.planned_m = path.length_m;
@@ -76,11 +80,38 @@ bool SoloRobot::send_path(const Eigen::Vector2d& goal_m, Trip& trip) {
   order.command.expires_clock_ms = std::numeric_limits<std::uint64_t>::max();
   order.command.goal_x_mm = to_mm(goal_m.x());
   order.command.goal_y_mm = to_mm(goal_m.y());
-  for (const Eigen::Vector2d& p : path.points_m) {
-    order.path.push_back({to_mm(p.x()), to_mm(p.y())});
-  }
+  constexpr std::int32_t kMostLeg = 512;
+  order.path =
+      encode_path(subdivided(quantise(path.points_m, mapper_.cell_size_mm()).value(), kMostLeg));
   driver_.take(order, pose, now_);
+  give_corridor(order, known, goal_m);
   return true;
+}
+
+void SoloRobot::give_corridor(const proto::RobotLink::Order& order, const DrivableGrid& known,
+                              const Eigen::Vector2d& goal_m) {
+  constexpr std::size_t kMostPoints = 12;
+  const CodedPath path = decode_path(order.path).value();
+  const CellIndex goal = quantise({goal_m}, mapper_.cell_size_mm())->points.front();
+  const auto field = compute_field(known, {goal.x >> 2, goal.y >> 2});
+  for (std::size_t first = 0; field && first + 1 < path.points.size();) {
+    const std::size_t count = std::min(kMostPoints, path.points.size() - first);
+    const auto begin = path.points.begin() + static_cast<std::ptrdiff_t>(first);
+    auto corridor = Corridor::along(
+        {path.cell_size_mm, {begin, begin + static_cast<std::ptrdiff_t>(count)}}, kHalfWidth);
+    if (corridor) {
+      corridor->fill(known, *field);
+      proto::CorridorPart part;
+      part.command = order.command.id;
+      part.revision = order.command.revision;
+      part.first = static_cast<std::uint16_t>(first);
+      part.count = static_cast<std::uint16_t>(count);
+      part.half_width = kHalfWidth;
+      part.directions = corridor->encode();
+      driver_.take(part, mapper_.cell_size_mm());
+    }
+    first += count - 1;
+  }
 }
 
 void SoloRobot::step() {

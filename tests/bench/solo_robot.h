@@ -15,7 +15,8 @@
 namespace cairn::bench {
 
 /// A simulated robot with the agent's map making and driving, in the simulator's time. Its paths
-/// are planned on all that it knows, as a server beside it would; whenever it is blocked, anew.
+/// are planned on all that it knows, as a server beside it would, and come with a corridor;
+/// whenever it is blocked, anew.
 class SoloRobot {
  public:
   /// `given` may be null: nothing is known.
@@ -40,6 +41,9 @@ class SoloRobot {
 
  private:
   bool send_path(const Eigen::Vector2d& goal_m, Trip& trip);
+  /// Of the field around the order's path, as a server would send it.
+  void give_corridor(const proto::RobotLink::Order& order, const DrivableGrid& known,
+                     const Eigen::Vector2d& goal_m);
   void step();
   void follow_reports(const Eigen::Vector2d& goal_m, Trip& trip);
 

@@ -168,10 +168,9 @@ TEST(SyncProperty, AStoreThatFellBackAsksFromWhatItHolds) {
   EXPECT_GE(refusals, 50);
 }
 
-std::vector<PathPart::Point> path_of(int points) {
-  std::vector<PathPart::Point> path;
-  path.reserve(static_cast<std::size_t>(points));
-  for (int i = 0; i < points; ++i) path.push_back({i, -i});
+std::vector<std::uint8_t> path_of(int bytes) {
+  std::vector<std::uint8_t> path;
+  for (int i = 0; i < bytes; ++i) path.push_back(static_cast<std::uint8_t>(i % 251));
   return path;
 }
 
@@ -182,7 +181,7 @@ TEST(SyncProperty, EachCommandIsHandedOutOnceWithItsWholePathAndReportedOn) {
     SyncWorld world(seed, random_faults(mapper));
     ASSERT_TRUE(world.run_until(world.now + seconds(120), [&] { return bool(world.server.link); }));
     for (std::uint32_t revision = 0; revision < 5; ++revision) {
-      const auto path = path_of(mapper.between(0, kMaxPathPoints));
+      const auto path = path_of(mapper.between(0, static_cast<int>(kMaxPathBytes)));
       Command command;
       command.id = 7;
       command.revision = revision;
@@ -217,7 +216,7 @@ TEST(SyncProperty, ACommandIsNeverValidLongerThanItWasMeantToBe) {
     const auto latest = static_cast<std::uint64_t>((world.now + valid) / milliseconds(1));
     Command command;
     command.id = 1;
-    world.server.link->command(command, path_of(150), valid, world.now);
+    world.server.link->command(command, path_of(1500), valid, world.now);
     ASSERT_TRUE(world.run_until(world.now + seconds(120), [&] { return !world.orders.empty(); }));
     EXPECT_LE(world.orders[0].command.expires_clock_ms, latest);
     EXPECT_GE(world.orders[0].command.expires_clock_ms + 5'000, latest);

@@ -8,7 +8,9 @@
 namespace cairn::proto {
 
 inline constexpr std::string_view kFloodRequest = "flood";
-inline constexpr std::uint32_t kFloodFrames = 2000;
+/// So few that the smallest receive buffer of a usual kernel (208 KiB, counted with its overhead)
+/// holds them all: a receiver that gets no processor time loses none.
+inline constexpr std::uint32_t kFloodFrames = 128;
 inline constexpr std::size_t kFloodFrameBytes = 400;
 
 [[nodiscard]] inline std::vector<std::uint8_t> flood_frame(std::uint32_t number) {

@@ -13,7 +13,7 @@ class RandomRecords {
   explicit RandomRecords(std::uint64_t seed) : random_(seed) {}
 
   Record any() {
-    switch (between<int>(0, 18)) {
+    switch (between<int>(0, 20)) {
       case 0:
         return Hello{name(), name(), whole<std::uint64_t>(), between<std::uint16_t>(10, 2000),
                      whole<std::uint64_t>()};
@@ -52,6 +52,11 @@ class RandomRecords {
         return SpoolReport{percent(50), whole<std::uint32_t>(), whole<std::uint64_t>(),
                            whole<std::uint32_t>(), whole<std::uint32_t>()};
       case 17:
+        return CorridorRequest{id(),         whole<std::uint32_t>(), coordinate(),
+                               coordinate(), half_width(),           pick<CorridorWish>(1, 2)};
+      case 18:
+        return corridor();
+      case 19:
         return digest();
       default:
         return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
@@ -183,13 +188,24 @@ class RandomRecords {
             coordinate(),
             coordinate(),
             percent(50) ? std::optional(place().yaw_1e4rad) : std::nullopt,
-            between<std::uint16_t>(0, kMaxPathPoints)};
+            percent(20),
+            between<std::uint16_t>(0, kMaxPathBytes)};
   }
   PathPart part() {
-    const auto count = between<std::size_t>(1, kMaxPartPoints);
-    PathPart part{id(), whole<std::uint32_t>(), 0, {}};
-    part.first = between<std::uint16_t>(0, static_cast<std::uint16_t>(kMaxPathPoints - count));
-    while (part.points.size() < count) part.points.push_back({coordinate(), coordinate()});
+    return {id(), whole<std::uint32_t>(), between<std::uint8_t>(0, kMaxPathParts - 1),
+            some_bytes(kPartBytes)};
+  }
+  std::uint8_t half_width() { return between<std::uint8_t>(1, kMaxCorridorHalfWidth); }
+  CorridorPart corridor() {
+    CorridorPart part{id(),
+                      whole<std::uint32_t>(),
+                      whole<std::uint64_t>(),
+                      whole<std::uint16_t>(),
+                      between<std::uint16_t>(1, 0xFFFF),
+                      half_width(),
+                      {},
+                      some_bytes(kMaxCorridorBytes)};
+    if (percent(50)) part.spine = some_bytes(kMaxSpineBytes);
     return part;
   }
 

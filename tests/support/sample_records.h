@@ -54,7 +54,13 @@ inline Command sample_command() {
           .goal_x_mm = 30'000,
           .goal_y_mm = -8'000,
           .goal_yaw_1e4rad = -15'708,
-          .path_points = 2};
+          .path_cut = true,
+          .path_bytes = 9};
+}
+
+/// From (10, 0) to (30, -8) m in cells of 125 mm, as core/planner/corridor.h codes it.
+inline std::vector<std::uint8_t> sample_path() {
+  return {0x7D, 0x02, 0x80, 0x05, 0x00, 0x0B, 0x00, 0xFD, 0x0F};
 }
 
 /// Name (as in the golden files), who sends it, and the record.
@@ -80,13 +86,16 @@ inline std::vector<Sample> sample_records() {
       {"submap_head_earlier", up, earlier},
       {"evidence_patch", up, EvidencePatch{7, 201, {1, 250, {9, 3, 2}}, sample_patch()}},
       {"command_report", up, CommandReport{9, 2, CommandState::stopped, "tilt 31°"}},
+      {"corridor_request", up, CorridorRequest{9, 2, 12'345, -2'000, 40, CorridorWish::plan}},
       {"bye", up, Bye{}},
       {"welcome", down, Welcome{0xA1B2C3D4, 0x1122334455667788, 0x0102030405060708}},
       {"reject", down, Reject{0x1122334455667788, RejectReason::unknown_site, "no such site"}},
       {"reset", down, Reset{}},
       {"refusal", down, Refusal{7, {EvidenceLayer::surface, {0, 1, -1}, 4}, 2}},
       {"command", down, sample_command()},
-      {"path_part", down, PathPart{9, 2, 0, {{10'000, 0}, {30'000, -8'000}}}},
+      {"path_part", down, PathPart{9, 2, 0, sample_path()}},
+      {"corridor_part", down, CorridorPart{9, 2, 77, 0, 2, 12, {}, {0x5A, 0x00, 0xC3}}},
+      {"corridor_part_own", down, CorridorPart{9, 2, 78, 1, 2, 40, sample_path(), {0x17}}},
       {"map_patch", down, MapPatch{3, 7, sample_patch()}},
       {"submap_move", down, SubmapMove{3, 7, {1'040, -980, 25, 15'720}}},
       {"map_commit", down, MapCommit{3, 2}},

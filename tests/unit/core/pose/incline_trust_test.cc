@@ -25,7 +25,8 @@ TEST(InclineTrust, OfARobotThatDoesNotTiltIsThatOfItsInclinometer) {
   InclineTrust trust(config);
   pitch(trust, 0.0, 10);
   EXPECT_DOUBLE_EQ(trust.sigma_rad(), config.incline_sigma_rad);
-  EXPECT_DOUBLE_EQ(trust.range_m(trust.sigma_rad()), config.height_sigma_m / config.incline_sigma_rad);
+  EXPECT_DOUBLE_EQ(trust.range_m(trust.sigma_rad()),
+                   config.height_sigma_m / config.incline_sigma_rad);
 }
 
 TEST(InclineTrust, FallsWhileTheInclineChangesAndComesBack) {

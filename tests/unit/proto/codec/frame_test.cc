@@ -68,7 +68,7 @@ TEST(Frame, RecordsKeepTheirOrder) {
 
 TEST(Frame, ARecordThatDoesNotFitChangesNothing) {
   FrameWriter writer({Direction::down, 1, 1});
-  const PathPart part{1, 1, 0, std::vector<PathPart::Point>(kMaxPartPoints)};
+  const PathPart part{1, 1, 0, std::vector<std::uint8_t>(kPartBytes)};
   ASSERT_TRUE(writer.add(part));
   const std::size_t before = writer.size_bytes();
   EXPECT_FALSE(writer.add(part));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -113,6 +114,68 @@ TEST(Patch, MapsComeBackThroughAllSteps) {
       merge(image, *read, tick);
     }
   }
+}
+
+TEST(Patch, CarriesTheViewpointThatItWasToldFrom) {
+  for (const std::int32_t far : {0, 1, -37, 100'000, std::numeric_limits<std::int32_t>::max(),
+                                 std::numeric_limits<std::int32_t>::min()}) {
+    for (int heading = 0; heading < kHeadings; heading += 7) {
+      Slope slope(4);
+      PatchSetting setting = kSetting;
+      setting.view = Viewpoint{{far, -(far / 2)}, static_cast<std::uint8_t>(heading)};
+      const auto sent = slope.step({});
+      const auto patch = write_patch(sent, setting, {}, {}, kRoom);
+      const auto read = read_patch(patch.bytes, kSetting, {});
+      ASSERT_TRUE(read) << read.error().message << " at " << far;
+      expect_same(sent, patch.taken, *read, static_cast<std::uint64_t>(heading));
+    }
+  }
+}
+
+/// A slope that one submap told in steps of 10 mm, lying so much off the site's heights.
+std::vector<BlockUpdate> tile_on_grid(int off_mm, int noise_mm) {
+  std::mt19937 random(1);
+  Tile tile(0);
+  for (int i = 0; i < Tile::kCells; ++i) {
+    const int x = i % Tile::kSize;
+    const int y = i / Tile::kSize;
+    const int noise = static_cast<int>(random() % 3) - 1;
+    const int steps = (x * 11 + y * 7) / 10 + noise;
+    const int off_grid = noise_mm == 0 ? 0 : static_cast<int>(random()) % noise_mm;
+    tile.set(i, {10 * steps + off_mm + off_grid, probability_of(10 + noise, kMaxLevels)});
+  }
+  std::vector<BlockUpdate> blocks;
+  for (std::uint8_t block = 0; block < 4; ++block) {
+    blocks.push_back({kSetting.sequence, {{}, {}, block}, 0, 1, diff(nullptr, &tile, block)});
+  }
+  return blocks;
+}
+
+TEST(Patch, ExactHeightsOnAGridTakeLessWhereverTheGridLies) {
+  const auto bytes = [](const std::vector<BlockUpdate>& sent) {
+    const auto patch = write_patch(sent, kSetting, kExact, {}, 4000);
+    EXPECT_EQ(patch.taken.size(), sent.size());
+    const auto read = read_patch(patch.bytes, kSetting, {});
+    EXPECT_TRUE(read);
+    expect_same(sent, patch.taken, *read, 0);
+    return patch.bytes.size();
+  };
+  const std::size_t at_zero = bytes(tile_on_grid(0, 0));
+  EXPECT_LT(bytes(tile_on_grid(-3, 0)), at_zero + at_zero / 20);
+  EXPECT_GT(bytes(tile_on_grid(0, 10)), at_zero + at_zero / 3);
+}
+
+TEST(Patch, EveryExactProbabilityComesBack) {
+  Tile tile(0);
+  for (int i = 0; i < 255; ++i) tile.set(i, {i, static_cast<std::uint8_t>(i + 1)});
+  std::vector<BlockUpdate> sent;
+  for (std::uint8_t block = 0; block < 4; ++block) {
+    sent.push_back({kSetting.sequence, {{}, {}, block}, 0, 1, diff(nullptr, &tile, block)});
+  }
+  const auto patch = write_patch(sent, kSetting, kExact, {}, 4000);
+  const auto read = read_patch(patch.bytes, kSetting, {});
+  ASSERT_TRUE(read) << read.error().message;
+  expect_same(sent, patch.taken, *read, 0);
 }
 
 TEST(Patch, AMappedCellTakesHalfAsMuchAsOneFromNothing) {

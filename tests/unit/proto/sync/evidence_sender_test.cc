@@ -172,6 +172,53 @@ TEST_F(EvidenceSenderTest, TheOldestSubmapGoesFirst) {
   EXPECT_EQ(last, 2U);
 }
 
+TEST_F(EvidenceSenderTest, ARoundSendsEachBlockOnceAndTheNextOneWhatChangedMeanwhile) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  sender.begin_round(0);
+  EXPECT_EQ(block(fill(1)).version, 1U);
+  EXPECT_FALSE(sender.round_has_news());
+  sender.on_acked(1);
+  see({1, 0});
+  see({20, 0});
+  EXPECT_TRUE(sender.has_news());
+  ASSERT_TRUE(sender.round_has_news()) << "the block at (20, 0) has never been sent";
+  EXPECT_EQ(block(fill(2)).key.block, 1);
+  EXPECT_FALSE(sender.round_has_news());
+  EXPECT_TRUE(fill(3).empty());
+  sender.begin_round(3);
+  EXPECT_TRUE(sender.round_has_news());
+  EXPECT_EQ(block(fill(4)).version, 2U);
+}
+
+TEST_F(EvidenceSenderTest, WhatIsLostGoesWithTheNextRound) {
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  EXPECT_EQ(block(fill(1)).version, 1U);
+  sender.on_acked(1);
+  see({0, 0}, 300);
+  sender.begin_round(1);
+  (void)fill(2);
+  sender.on_lost(2);
+  EXPECT_FALSE(sender.round_has_news());
+  EXPECT_TRUE(sender.has_news());
+  sender.begin_round(2);
+  EXPECT_EQ(block(fill(3)).version, 2U);
+}
+
+TEST_F(EvidenceSenderTest, WhatChangedNearTheRobotGoesFirst) {
+  sender.begin(7, {}, 125);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) see({x, y}, (x * 7919 + y * 104'729) % 3000);
+  }
+  sender.set_view({{56, 56}, 0});
+  const auto all = blocks(fill(1));
+  ASSERT_FALSE(all.empty());
+  ASSERT_LT(all.size(), 16U) << "the frame is too long to tell";
+  EXPECT_TRUE(std::ranges::any_of(all, [](const auto& update) { return update.key.block == 15; }));
+  EXPECT_FALSE(std::ranges::any_of(all, [](const auto& update) { return update.key.block == 0; }));
+}
+
 TEST_F(EvidenceSenderTest, TheLeastRecentlySentBlockGoesFirst) {
   sender.begin(7, {}, 125);
   see({0, 0});

@@ -2,21 +2,29 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace cairn::proto {
 namespace {
 
-Command command(std::uint64_t id, std::uint32_t revision, std::uint16_t points) {
+Command command(std::uint64_t id, std::uint32_t revision, std::uint16_t bytes) {
   Command c;
   c.id = id;
   c.revision = revision;
-  c.path_points = points;
+  c.path_bytes = bytes;
   return c;
 }
 
-PathPart part(std::uint64_t id, std::uint32_t revision, std::uint16_t first, int points) {
-  PathPart p{id, revision, first, {}};
-  for (int i = 0; i < points; ++i) p.points.push_back({first + i, 0});
-  return p;
+PathPart part(std::uint64_t id, std::uint32_t revision, std::uint8_t index, std::size_t bytes) {
+  return {id, revision, index, std::vector<std::uint8_t>(bytes, index)};
+}
+
+CorridorPart corridor(std::uint64_t id, std::uint32_t revision) {
+  CorridorPart c;
+  c.command = id;
+  c.revision = revision;
+  c.directions = {1};
+  return c;
 }
 
 TEST(OrderDesk, ACommandWithoutAPathIsCompleteAtOnceAndHandedOutOnce) {
@@ -29,15 +37,15 @@ TEST(OrderDesk, ACommandWithoutAPathIsCompleteAtOnceAndHandedOutOnce) {
 
 TEST(OrderDesk, PartsMayComeInAnyOrderAndTwice) {
   OrderDesk desk;
-  EXPECT_FALSE(desk.on_part(part(1, 0, 100, 50)).order);
-  EXPECT_FALSE(desk.on_command(command(1, 0, 150)).order);
-  EXPECT_FALSE(desk.on_part(part(1, 0, 100, 50)).order);
-  const auto outcome = desk.on_part(part(1, 0, 0, 100));
+  EXPECT_FALSE(desk.on_part(part(1, 0, 1, 500)).order);
+  EXPECT_FALSE(desk.on_command(command(1, 0, 1500)).order);
+  EXPECT_FALSE(desk.on_part(part(1, 0, 1, 500)).order);
+  const auto outcome = desk.on_part(part(1, 0, 0, kPartBytes));
   ASSERT_TRUE(outcome.order);
-  ASSERT_EQ(outcome.order->path.size(), 150U);
-  for (int i = 0; i < 150; ++i)
-    EXPECT_EQ(outcome.order->path.at(static_cast<std::size_t>(i)).x_mm, i);
-  EXPECT_FALSE(desk.on_part(part(1, 0, 0, 100)).order);
+  std::vector<std::uint8_t> path(1500, 0);
+  std::fill(path.begin() + kPartBytes, path.end(), 1);
+  EXPECT_EQ(outcome.order->path, path);
+  EXPECT_FALSE(desk.on_part(part(1, 0, 0, kPartBytes)).order);
 }
 
 TEST(OrderDesk, ANewRevisionReplacesAnUnfinishedOne) {
@@ -46,6 +54,30 @@ TEST(OrderDesk, ANewRevisionReplacesAnUnfinishedOne) {
   EXPECT_FALSE(desk.on_command(command(1, 1, 10)).order);
   EXPECT_FALSE(desk.on_part(part(1, 0, 0, 20)).order) << "parts of the old path do not count";
   EXPECT_TRUE(desk.on_part(part(1, 1, 0, 10)).order);
+}
+
+TEST(OrderDesk, ACorridorThatComesBeforeItsOrderWaitsForIt) {
+  OrderDesk desk;
+  desk.on_corridor(corridor(4, 2));
+  EXPECT_TRUE(desk.take_corridors().empty());
+  (void)desk.on_command(command(4, 2, 10));
+  EXPECT_TRUE(desk.take_corridors().empty());
+  (void)desk.on_part(part(4, 2, 0, 10));
+  EXPECT_EQ(desk.take_corridors().size(), 1U);
+  desk.on_corridor(corridor(4, 2));
+  EXPECT_EQ(desk.take_corridors().size(), 1U);
+  EXPECT_TRUE(desk.take_corridors().empty());
+}
+
+TEST(OrderDesk, CorridorsOfOlderOrdersAreForgottenAndTheirNumberIsBounded) {
+  OrderDesk desk;
+  for (int i = 0; i < 100; ++i) desk.on_corridor(corridor(4, 2));
+  desk.on_corridor(corridor(4, 1));
+  (void)desk.on_command(command(4, 2, 0));
+  EXPECT_EQ(desk.take_corridors().size(), OrderDesk::kMaxCorridors);
+  desk.on_corridor(corridor(4, 2));
+  (void)desk.on_command(command(4, 3, 0));
+  EXPECT_TRUE(desk.take_corridors().empty());
 }
 
 TEST(OrderDesk, OlderCommandsAreSupersededAndOlderRevisionsIgnored) {

@@ -18,7 +18,7 @@ Command command(std::uint64_t id) {
 
 struct Filled {
   bool command = false;
-  std::vector<std::uint16_t> parts;
+  std::vector<int> parts;
 };
 
 Filled fill(OrderSender& sender, std::uint32_t number, MonotonicTime now = {}) {
@@ -29,15 +29,15 @@ Filled fill(OrderSender& sender, std::uint32_t number, MonotonicTime now = {}) {
   const auto frame = decode_frame(std::move(writer).finish(), Direction::down);
   for (const auto& record : frame->records) {
     filled.command = filled.command || std::holds_alternative<Command>(record);
-    if (const auto* part = std::get_if<PathPart>(&record)) filled.parts.push_back(part->first);
+    if (const auto* part = std::get_if<PathPart>(&record)) filled.parts.push_back(part->part);
   }
   return filled;
 }
 
 TEST(OrderSender, ALongPathTakesAsManyFramesAsItNeeds) {
   OrderSender sender;
-  sender.set(command(1), std::vector<PathPart::Point>(250), seconds(10));
-  std::vector<std::uint16_t> parts;
+  sender.set(command(1), std::vector<std::uint8_t>(2500), seconds(10));
+  std::vector<int> parts;
   for (std::uint32_t number = 1; sender.has_news(); ++number) {
     ASSERT_LE(number, 3U);
     const auto filled = fill(sender, number);
@@ -45,12 +45,24 @@ TEST(OrderSender, ALongPathTakesAsManyFramesAsItNeeds) {
     parts.insert(parts.end(), filled.parts.begin(), filled.parts.end());
   }
   std::ranges::sort(parts);
-  EXPECT_EQ(parts, (std::vector<std::uint16_t>{0, 100, 200}));
+  EXPECT_EQ(parts, (std::vector<int>{0, 1, 2}));
+}
+
+TEST(OrderSender, AShortPathTravelsInTheFrameOfItsRecord) {
+  OrderSender sender;
+  sender.set(command(1), std::vector<std::uint8_t>(OrderSender::kShortPath, 7), seconds(10));
+  FrameWriter writer({Direction::down, 1, 1});
+  EXPECT_TRUE(sender.fill_command(writer, 1, 0, {}));
+  EXPECT_FALSE(sender.has_news());
+  const auto frame = decode_frame(std::move(writer).finish(), Direction::down);
+  ASSERT_EQ(frame->records.size(), 2U);
+  EXPECT_EQ(std::get<Command>(frame->records[0]).path_bytes, OrderSender::kShortPath);
+  EXPECT_EQ(std::get<PathPart>(frame->records[1]).bytes.size(), OrderSender::kShortPath);
 }
 
 TEST(OrderSender, OnlyWhatWasLostIsSentAgain) {
   OrderSender sender;
-  sender.set(command(1), std::vector<PathPart::Point>(150), seconds(10));
+  sender.set(command(1), std::vector<std::uint8_t>(1500), seconds(10));
   const auto first = fill(sender, 1);
   const auto second = fill(sender, 2);
   EXPECT_FALSE(sender.has_news());
@@ -85,7 +97,7 @@ TEST(OrderSender, ItAsksAgainEverLessOftenUntilTheRobotReports) {
 
 TEST(OrderSender, ANewCommandReplacesTheOneBefore) {
   OrderSender sender;
-  sender.set(command(1), std::vector<PathPart::Point>(150), seconds(10));
+  sender.set(command(1), std::vector<std::uint8_t>(1500), seconds(10));
   sender.set(command(2), {}, seconds(10));
   const auto filled = fill(sender, 1);
   EXPECT_TRUE(filled.command);

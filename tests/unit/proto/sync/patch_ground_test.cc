@@ -26,7 +26,7 @@ class PatchGround : public ::testing::Test {
     Frame frame{.number = ++number, .patches = {}, .told = {}};
     for (int block = 0; block < 4; ++block) frame.told.push_back(changes(block));
     FrameWriter writer({Direction::up, 1, frame.number});
-    EXPECT_EQ(sender.fill(writer, frame.number, frame.told).size(), 4U);
+    EXPECT_EQ(sender.fill(writer, frame.number, frame.told, std::nullopt).size(), 4U);
     const auto decoded = decode_frame(std::move(writer).finish(), Direction::up);
     for (const Record& record : decoded->records) {
       frame.patches.push_back(std::get<EvidencePatch>(record));

@@ -331,5 +331,55 @@ TEST_F(RobotLinkTest, GoodbyeNeedsASession) {
   EXPECT_TRUE(std::holds_alternative<Bye>(frame->records.at(0)));
 }
 
+CorridorRequest request_at(std::int32_t x_mm) {
+  CorridorRequest request;
+  request.command = 4;
+  request.x_mm = x_mm;
+  return request;
+}
+
+TEST_F(RobotLinkTest, ARequestIsSentUntilAcknowledgedAndInEverySession) {
+  welcome();
+  link.request(request_at(1));
+  const auto first = next();
+  ASSERT_NE(find<CorridorRequest>(first), nullptr);
+  EXPECT_EQ(find<CorridorRequest>(next()), nullptr);
+  bool again = false;
+  for (const auto end = now + seconds(10); now < end && !again; now = link.next_due(now)) {
+    again = find<CorridorRequest>(next()) != nullptr;
+  }
+  EXPECT_TRUE(again);
+  link.on_frame(down(5, 2, {Reset{}}), now);
+  welcome(6);
+  const auto anew = next();
+  ASSERT_NE(find<CorridorRequest>(anew), nullptr);
+  link.on_frame(down(6, 2, {Ack{anew->header.number, 0}}), now);
+  for (const auto end = now + seconds(60); now < end; now = link.next_due(now)) {
+    EXPECT_EQ(find<CorridorRequest>(next()), nullptr);
+  }
+}
+
+TEST_F(RobotLinkTest, OnlyTheNewestRequestIsMade) {
+  welcome();
+  link.request(request_at(1));
+  link.request(request_at(2));
+  EXPECT_EQ(find<CorridorRequest>(next())->x_mm, 2);
+}
+
+TEST_F(RobotLinkTest, ACorridorIsHandedOutAfterItsOrderAndAcknowledged) {
+  welcome();
+  CorridorPart part;
+  part.command = 4;
+  part.directions = {7};
+  EXPECT_TRUE(link.on_frame(down(5, 2, {part}), now).empty());
+  EXPECT_TRUE(link.take_corridors().empty());
+  Command command;
+  command.id = 4;
+  EXPECT_EQ(link.on_frame(down(5, 3, {command}), now).size(), 1U);
+  EXPECT_EQ(link.take_corridors(), std::vector<CorridorPart>{part});
+  now += RobotLink::kMapAckDelay;
+  EXPECT_NE(find<Ack>(next()), nullptr);
+}
+
 }  // namespace
 }  // namespace cairn::proto

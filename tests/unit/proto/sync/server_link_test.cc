@@ -121,12 +121,59 @@ TEST_F(ServerLinkTest, AReportThatWasOvertakenIsNoEvent) {
 TEST_F(ServerLinkTest, AStopOvertakesEverythingElse) {
   drain();
   for (std::uint32_t n = 0; n < ServerLink::kMaxRefusals + 9; ++n) link.refuse({n, {}, 0});
-  link.command(command(1), std::vector<PathPart::Point>(512), seconds(9), now);
+  link.command(command(1), std::vector<std::uint8_t>(kMaxPathBytes), seconds(9), now);
   (void)arrive(1, {CommandReport{8, 0, CommandState::accepted, ""}});
   link.command(command(2), {}, seconds(9), now);
   const auto frame = next();
   ASSERT_TRUE(std::holds_alternative<Command>(frame->records.at(0)));
   EXPECT_EQ(std::get<Command>(frame->records[0]).id, 2U);
+}
+
+CorridorPart corridor_of(std::uint64_t command) {
+  CorridorPart part;
+  part.command = command;
+  part.directions = {1, 2, 3};
+  return part;
+}
+
+TEST_F(ServerLinkTest, ACorridorFollowsItsCommandUntilAcknowledged) {
+  drain();
+  link.command(command(1), std::vector<std::uint8_t>(40), seconds(9), now);
+  link.corridor(corridor_of(1));
+  const auto order = next();
+  EXPECT_NE(find<Command>(order), nullptr);
+  EXPECT_NE(find<PathPart>(order), nullptr);
+  EXPECT_EQ(find<CorridorPart>(order), nullptr);
+  const auto after = next();
+  ASSERT_NE(find<CorridorPart>(after), nullptr);
+  EXPECT_FALSE(next());
+  bool again = false;
+  for (const auto end = now + seconds(30); now < end && !again; now = link.next_due(now)) {
+    again = find<CorridorPart>(next()) != nullptr;
+  }
+  EXPECT_TRUE(again) << "nobody acknowledged it";
+}
+
+TEST_F(ServerLinkTest, AnotherCommandEndsTheCorridorOfTheLast) {
+  drain();
+  link.command(command(1), {}, seconds(9), now);
+  link.corridor(corridor_of(1));
+  link.command(command(2), {}, seconds(9), now);
+  for (const auto end = now + seconds(30); now < end; now = link.next_due(now)) {
+    EXPECT_EQ(find<CorridorPart>(next()), nullptr);
+  }
+}
+
+TEST_F(ServerLinkTest, ARequestForCorridorIsAnEventAndAcknowledgedSoon) {
+  drain();
+  CorridorRequest request;
+  request.command = 4;
+  const auto events = arrive(1, {request});
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(std::get<CorridorRequest>(events[0]), request);
+  EXPECT_TRUE(arrive(1, {request}).empty());
+  now += RobotLink::kAckDelay;
+  EXPECT_NE(find<Ack>(next()), nullptr);
 }
 
 TEST_F(ServerLinkTest, ACommandIsSentUntilReportedOn) {

@@ -120,9 +120,9 @@ TEST_F(UdpCarrier, SaysWhichHostItCannotFind) {
   EXPECT_THAT(made.error().message, HasSubstr("no-such-host.invalid"));
 }
 
-TEST_F(UdpCarrier, LosesLittleOfABurstAtFullSpeed) {
+TEST_F(UdpCarrier, LosesNothingOfABurstThatItsBufferHolds) {
   ASSERT_TRUE(echoes({1}));
-  constexpr std::uint32_t kFrames = 500;
+  constexpr std::uint32_t kFrames = 128;
   for (std::uint32_t i = 0; i < kFrames; ++i) {
     UdpBytes frame(400);
     frame[0] = static_cast<std::uint8_t>(i);
@@ -131,7 +131,7 @@ TEST_F(UdpCarrier, LosesLittleOfABurstAtFullSpeed) {
   }
   std::set<UdpBytes> distinct;
   while (const auto frame = next(*server)) distinct.insert(frame->bytes);
-  EXPECT_GE(distinct.size(), kFrames * 95 / 100);
+  EXPECT_EQ(distinct.size(), kFrames);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ using std::chrono::seconds;
 inline constexpr int kCellMm = 125;
 inline constexpr double kCellM = 0.125;
 
-inline proto::RobotLink::Order go_to(std::uint64_t id, std::vector<Eigen::Vector2d> path_m,
+inline proto::RobotLink::Order go_to(std::uint64_t id, const std::vector<Eigen::Vector2d>& path_m,
                                      std::uint32_t revision = 1) {
   proto::RobotLink::Order order;
   order.command.id = id;
@@ -36,15 +36,11 @@ inline proto::RobotLink::Order go_to(std::uint64_t id, std::vector<Eigen::Vector
   order.command.expires_clock_ms = 1'000'000;
   order.command.on_link_loss = OnLinkLoss::stop;
   order.command.link_timeout_ms = 5'000;
-  for (const Eigen::Vector2d& p : path_m) {
-    order.path.push_back({static_cast<std::int32_t>(std::lround(p.x() * 1000.0)),
-                          static_cast<std::int32_t>(std::lround(p.y() * 1000.0))});
-  }
-  order.command.path_points = static_cast<std::uint16_t>(order.path.size());
-  if (!order.path.empty()) {
-    order.command.goal_x_mm = order.path.back().x_mm;
-    order.command.goal_y_mm = order.path.back().y_mm;
-  }
+  if (path_m.empty()) return order;
+  order.path = encode_path(quantise(path_m, kCellMm).value());
+  order.command.path_bytes = static_cast<std::uint16_t>(order.path.size());
+  order.command.goal_x_mm = static_cast<std::int32_t>(std::lround(path_m.back().x() * 1000.0));
+  order.command.goal_y_mm = static_cast<std::int32_t>(std::lround(path_m.back().y() * 1000.0));
   return order;
 }
 

@@ -116,10 +116,8 @@ TEST_F(DriverTest, DoesNotDriveToAPathThatBeginsFarAway) {
 }
 
 TEST_F(DriverTest, AsksForTheRestOfAPathThatWasCutToTheWiresBound) {
-  std::vector<Eigen::Vector2d> path_m;
-  for (std::size_t i = 0; i < proto::kMaxPathPoints; ++i) path_m.emplace_back(0.002 * double(i), 0);
-  proto::RobotLink::Order order = go_to(7, path_m);
-  order.command.goal_x_mm = 9'000;
+  proto::RobotLink::Order order = go_to(7, {{0, 0}, {1, 0}});
+  order.command.path_cut = true;
   take(order);
   run(seconds(20));
   EXPECT_EQ(reports.back().state, CommandState::blocked);

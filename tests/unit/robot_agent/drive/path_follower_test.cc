@@ -194,5 +194,23 @@ TEST(PathFollower, ShowsTheRestOfTheWayFromTheFootOn) {
 
 TEST(PathFollower, TakesAPathOfOnePoint) { EXPECT_TRUE(drive({}, {{1, 1}}, {}).arrived); }
 
+TEST(PathFollower, CutsNoCornerWhereThereIsHardlyRoom) {
+  const std::vector<Eigen::Vector2d> corner{{0, 0}, {2, 0}, {2, 2}};
+  PathFollower follower({}, corner);
+  Pose pose;
+  double widest_m = 0.0;
+  double fastest_m_s = 0.0;
+  for (int i = 0; i < 2000 && (corner.back() - place_of(pose)).norm() > kArriveM; ++i) {
+    follower.advance(place_of(pose));
+    const DriveCommand wheels = follower.steer_closely(pose, kNoLimit);
+    fastest_m_s = std::max(fastest_m_s, wheels.speed_m_s);
+    testing::roll(pose, wheels);
+    widest_m = std::max(widest_m, follower.off_path_m());
+  }
+  EXPECT_LE((corner.back() - place_of(pose)).norm(), kArriveM);
+  EXPECT_LT(widest_m, 0.5 * drive({}, corner, {}).widest_m);
+  EXPECT_LE(fastest_m_s, FollowerConfig{}.close_speed_m_s);
+}
+
 }  // namespace
 }  // namespace cairn::agent

@@ -24,6 +24,7 @@ class MappingRobot {
   explicit MappingRobot(MapperConfig config = {}, Pose start = {},
                         std::vector<LaserSpec> lasers = atrv_jr_lasers())
       : scene{.boxes = {}, .ground_m = start.z_m},
+        truth(start),
         lasers_(std::move(lasers)),
         mapper(config, lasers_, start, kBoot, evidence) {
     reading_.odometer_yaw_rad = start.yaw_rad;
@@ -31,6 +32,7 @@ class MappingRobot {
   }
 
   Scene scene;
+  Pose truth;  ///< Where it stands in the scene, whatever it believes.
 
  private:
   std::vector<LaserSpec> lasers_;
@@ -42,7 +44,7 @@ class MappingRobot {
 
   void look() {
     for (std::size_t i = 0; i < lasers_.size(); ++i) {
-      mapper.take_scan(scene.scan(lasers_[i], i, mapper.pose(), reading_.stamp));
+      mapper.take_scan(scene.scan(lasers_[i], i, truth, reading_.stamp));
     }
   }
   void forward(double way_m) {
@@ -76,6 +78,9 @@ class MappingRobot {
     reading_.stamp += kPeriod;
     reading_.odometer_x_m += way_m * std::cos(reading_.odometer_yaw_rad);
     reading_.odometer_y_m += way_m * std::sin(reading_.odometer_yaw_rad);
+    truth.x_m += way_m * std::cos(truth.yaw_rad);
+    truth.y_m += way_m * std::sin(truth.yaw_rad);
+    truth.yaw_rad = wrap_angle(truth.yaw_rad + turn_rad_s * to_seconds(kPeriod));
     reading_.odometer_yaw_rad =
         wrap_angle(reading_.odometer_yaw_rad + turn_rad_s * to_seconds(kPeriod));
     reading_.gyro_yaw_rate_rad_s = turn_rad_s;

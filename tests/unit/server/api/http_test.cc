@@ -1,4 +1,5 @@
 #include "api_fixture.h"
+#include "proto/codec/tile_snapshot.h"
 #include "server/api/limits.h"
 
 namespace cairn::server {
@@ -46,8 +47,10 @@ TEST_F(HttpTest, GivesTheBytesOfATile) {
   const auto response = get("/api/v1/sites/yard/tiles/0/-1/2");
   EXPECT_EQ(response.result_int(), 200U);
   EXPECT_EQ(response[http::field::content_type], "application/octet-stream");
-  const auto bytes = service_.tiles[0].second->bytes();
-  EXPECT_EQ(response.body(), std::string(bytes.begin(), bytes.end()));
+  const std::vector<std::uint8_t> bytes(response.body().begin(), response.body().end());
+  const auto tile = proto::read_tile_snapshot(bytes);
+  ASSERT_TRUE(tile) << tile.error().message;
+  EXPECT_EQ(*tile, *service_.tiles[0].second);
 }
 
 TEST_F(HttpTest, AnswersWhatIsNotThereWith404AsJson) {

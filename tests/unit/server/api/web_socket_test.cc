@@ -1,6 +1,7 @@
 #include <random>
 
 #include "api_fixture.h"
+#include "proto/codec/tile_snapshot.h"
 #include "proto/json/envelope.h"
 #include "server/api/limits.h"
 
@@ -112,8 +113,10 @@ TEST_F(WebSocketTest, SendsAMapAsItsHeadAndThenItsTiles) {
     ASSERT_TRUE(tile_head);
     EXPECT_EQ(tile_head->request, 5U);
     EXPECT_EQ(tile_head->key, key);
-    EXPECT_EQ(message.substr(api::TileHead::kBytes),
-              std::string(tile->bytes().begin(), tile->bytes().end()));
+    const std::vector<std::uint8_t> bytes(message.begin() + api::TileHead::kBytes, message.end());
+    const auto read = proto::read_tile_snapshot(bytes);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(*read, *tile);
   }
   service_.tiles.clear();
   EXPECT_EQ(client.ask("map")["result"]["tiles"], 0);

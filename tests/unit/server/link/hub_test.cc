@@ -61,6 +61,7 @@ class HubTest : public StoreTest {
   std::shared_ptr<Air> air = std::make_shared<Air>();
   std::shared_ptr<Site> site;
   std::vector<proto::CommandReport> reports;
+  std::vector<proto::CorridorRequest> requests;
   int connections = 0;
   std::shared_ptr<Hub> hub;
 
@@ -76,6 +77,7 @@ class HubTest : public StoreTest {
         Hub::Listener{
             .connected = [this](Robot&) { ++connections; },
             .reported = [this](Robot&, const auto& report) { reports.push_back(report); },
+            .asked = [this](Robot&, const auto& request) { requests.push_back(request); },
             .site_named =
                 [this](const std::string& name) { return name == "quarry" ? site : nullptr; }});
     hub->start();

@@ -25,6 +25,14 @@ class Opening : public StoreTest {
   }
 };
 
+std::string hex_of(const Bytes& bytes) {
+  std::ostringstream hex;
+  for (const std::uint8_t byte : bytes) {
+    hex << std::hex << std::setfill('0') << std::setw(2) << int{byte};
+  }
+  return hex.str();
+}
+
 /// Runs `task` in a process of its own; its result is the exit code.
 int in_other_process(const std::function<int()>& task) {
   const pid_t child = fork();
@@ -81,9 +89,9 @@ TEST_F(Opening, SaysThatThereIsNoSite) { expect_refused(ErrorCode::not_found, "n
 
 TEST_F(Opening, RefusesAFileOfANewerVersionUnchanged) {
   (void)found();
-  tamper(file_, "PRAGMA user_version = 3");
+  tamper(file_, "PRAGMA user_version = 4");
   const std::string before = content_of(file_);
-  expect_refused(ErrorCode::unsupported_version, "format 3, this Cairn knows 2: update Cairn");
+  expect_refused(ErrorCode::unsupported_version, "format 4, this Cairn knows 3: update Cairn");
   EXPECT_EQ(content_of(file_), before);
 }
 
@@ -96,13 +104,9 @@ TEST_F(Opening, BringsAFileOfFormat1UpToDate) {
   Bytes body = *encode(kept);
   body.resize(body.size() - 5);  // Without edition and link, as format 1 had it.
   const std::uint32_t crc = row_crc(key_of(kept.id), body);
-  std::ostringstream hex;
-  for (const std::uint8_t byte : body) {
-    hex << std::hex << std::setfill('0') << std::setw(2) << int{byte};
-  }
   tamper(file_,
          "DROP TABLE loop; DROP TABLE tried; PRAGMA user_version = 1; UPDATE submap SET body = x'" +
-             hex.str() + "', crc = " + std::to_string(crc));
+             hex_of(body) + "', crc = " + std::to_string(crc));
   const auto opened = SqliteStore::open(file_);
   ASSERT_TRUE(opened) << opened.error().message;
   const auto submaps = (*opened)->submaps();
@@ -111,6 +115,43 @@ TEST_F(Opening, BringsAFileOfFormat1UpToDate) {
   EXPECT_TRUE(same(submaps->front(), kept));
   EXPECT_TRUE((*opened)->loops()->empty());
   EXPECT_TRUE((*opened)->verify()->faults.empty());
+}
+
+TEST_F(Opening, CompressesTheTilesOfAFileOfFormat2AndKeepsThemToTheBit) {
+  const TileRow kept = sample_tile({0, 3, -4}, 5);
+  {
+    const auto store = found();
+    commit(*store, {.submaps = {}, .blocks = {}, .tiles = {kept}, .notes = {}});
+  }
+  Bytes body = *encode(kept);
+  const std::size_t small_bytes = body.size();
+  body.resize(8);  // After its version the tile as it is in memory, as format 2 had it.
+  body.insert(body.end(), kept.tile.bytes().begin(), kept.tile.bytes().end());
+  tamper(file_, "PRAGMA user_version = 2; UPDATE tile SET body = x'" + hex_of(body) +
+                    "', crc = " + std::to_string(row_crc(key_of(kept.key), body)));
+  const auto opened = SqliteStore::open(file_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const auto tiles = (*opened)->tiles();
+  ASSERT_TRUE(tiles) << tiles.error().message;
+  ASSERT_EQ(tiles->size(), 1U);
+  EXPECT_EQ(tiles->front().version, kept.version);
+  EXPECT_EQ(tiles->front().tile, kept.tile);
+  EXPECT_TRUE((*opened)->verify()->faults.empty());
+  EXPECT_LT(small_bytes, body.size());
+}
+
+TEST_F(Opening, LeavesAnUnsoundTileOfFormat2ForItsReaderToFind) {
+  const TileRow kept = sample_tile({0, 3, -4}, 5);
+  {
+    const auto store = found();
+    commit(*store, {.submaps = {}, .blocks = {}, .tiles = {kept}, .notes = {}});
+  }
+  tamper(file_, "PRAGMA user_version = 2; UPDATE tile SET body = x'0102', crc = 7");
+  const auto opened = SqliteStore::open(file_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  const auto tiles = (*opened)->tiles();
+  ASSERT_FALSE(tiles);
+  EXPECT_THAT(tiles.error().message, HasSubstr("fails its checksum"));
 }
 
 TEST_F(Opening, RefusesGarbageUnchanged) {
