@@ -8,6 +8,7 @@
 #include "core/common/angle.h"
 #include "core/planner/plan.h"
 #include "robot_agent/input/simulator.h"
+#include "server/mission/corridors.h"
 #include "server/mission/planning.h"
 
 namespace cairn::bench {
@@ -157,12 +158,11 @@ void VirtualSite::order_next() {
   command.link_timeout_ms = 5'000;
   command.goal_x_mm = to_mm(goal_m.x());
   command.goal_y_mm = to_mm(goal_m.y());
-  command.path_points = static_cast<std::uint16_t>(path.size());
   server_.link()->command(command, path, kValid, now_);
   under_way_ = true;
 }
 
-std::vector<proto::PathPart::Point> VirtualSite::path_to(const Eigen::Vector2d& goal_m) {
+std::vector<std::uint8_t> VirtualSite::path_to(const Eigen::Vector2d& goal_m) {
   const auto& at = server_.pose()->T_site_robot;
   const Eigen::Vector2d start_m(at.x_mm * 1e-3, at.y_mm * 1e-3);
   const auto map = server_.world().snapshot();
@@ -170,12 +170,10 @@ std::vector<proto::PathPart::Point> VirtualSite::path_to(const Eigen::Vector2d& 
   planner.unknown = UnknownGround::allowed;
   auto grid =
       server::drivable_grid(*map, {start_m, goal_m}, planner, SensorModel{}.min_probability);
-  std::vector<proto::PathPart::Point> points;
-  if (!grid) return points;
+  if (!grid) return {};
   const Path path = plan(*grid, {.start_m = start_m, .goal_m = goal_m}, planner);
-  if (path.status != PathStatus::complete) return points;
-  for (const Eigen::Vector2d& p : path.points_m) points.push_back({to_mm(p.x()), to_mm(p.y())});
-  return points;
+  if (path.status != PathStatus::complete) return {};
+  return server::to_wire(path.points_m, agent_->mapper().cell_size_mm()).bytes;
 }
 
 void VirtualSite::finish() {

@@ -109,7 +109,8 @@ class VirtualSite {
   void step();
   void steer();
   void order_next();
-  [[nodiscard]] std::vector<proto::PathPart::Point> path_to(const Eigen::Vector2d& goal_m);
+  /// Coded (PROTOCOL.md §8); empty when there is none.
+  [[nodiscard]] std::vector<std::uint8_t> path_to(const Eigen::Vector2d& goal_m);
 
   Config config_;
   std::filesystem::path folder_;
