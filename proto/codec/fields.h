@@ -55,9 +55,10 @@ class FieldWriter {
     out_.put_bytes(value);
   }
   template <class T, class Each>
-  void list(const char* name, const std::vector<T>& values, std::uint8_t most, Each each) {
-    assert(!values.empty() && values.size() <= most);
-    number<std::uint8_t>(name, static_cast<std::uint8_t>(values.size()), 1, most);
+  void list(const char* name, const std::vector<T>& values, std::uint8_t most, Each each,
+            std::uint8_t least = 1) {
+    assert(values.size() >= least && values.size() <= most);
+    number<std::uint8_t>(name, static_cast<std::uint8_t>(values.size()), least, most);
     for (const T& value : values) each(*this, value);
   }
   template <class T, class Write>
@@ -129,9 +130,10 @@ class FieldReader {
     value.assign(taken.begin(), taken.end());
   }
   template <class T, class Each>
-  void list(const char* name, std::vector<T>& values, std::uint8_t most, Each each) {
+  void list(const char* name, std::vector<T>& values, std::uint8_t most, Each each,
+            std::uint8_t least = 1) {
     std::uint8_t count = 0;
-    number<std::uint8_t>(name, count, 1, most);
+    number<std::uint8_t>(name, count, least, most);
     if (failed()) return;
     values.resize(count);
     for (T& value : values) each(*this, value);

@@ -10,7 +10,7 @@
 
 namespace cairn::proto {
 
-inline constexpr std::uint8_t kProtocolVersion = 4;
+inline constexpr std::uint8_t kProtocolVersion = 5;
 inline constexpr std::size_t kFrameHeaderBytes = 12;
 inline constexpr std::size_t kChecksumBytes = 4;
 /// Bounds what a frame can make the receiver allocate …

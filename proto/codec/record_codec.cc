@@ -216,6 +216,26 @@ void fields(Io& io, typename Io::template Ref<MapCommit> r) {
 }
 
 template <class Io>
+void fields(Io& io, typename Io::template Ref<MapDigest> r) {
+  io.flag("last", r.last);
+  io.number("holds", r.holds_sequence);
+  io.number("level", r.level);
+  constexpr std::int32_t kMost = kMaxTileCoordinate / kRegionTiles;
+  io.template number<std::int32_t>("rx", r.rx, -kMost, kMost);
+  io.template number<std::int32_t>("ry", r.ry, -kMost, kMost);
+  constexpr std::uint8_t kTiles = kRegionTiles * kRegionTiles;
+  io.list(
+      "tiles", r.tiles, kTiles,
+      [](Io& each, auto& tile) {
+        each.template number<std::uint8_t>("place", tile.place, 0, kTiles - 1);
+        each.number("digest", tile.digest);
+      },
+      0);
+  io.require("places", std::ranges::adjacent_find(r.tiles, std::ranges::greater_equal{},
+                                                  &MapDigest::Tile::place) == r.tiles.end());
+}
+
+template <class Io>
 void fields(Io& io, typename Io::template Ref<Ack> r) {
   io.number("cumulative", r.cumulative);
   io.number("bitmap", r.bitmap);
@@ -257,6 +277,7 @@ constexpr Kind kind_of() {
   if constexpr (std::is_same_v<R, SubmapMove>) return {24, Sender::server, "submap move"};
   if constexpr (std::is_same_v<R, MapCommit>) return {25, Sender::server, "map commit"};
   if constexpr (std::is_same_v<R, GroundLost>) return {26, Sender::server, "ground lost"};
+  if constexpr (std::is_same_v<R, MapDigest>) return {27, Sender::robot, "map digest"};
   if constexpr (std::is_same_v<R, CorridorPart>) return {31, Sender::server, "corridor part"};
   if constexpr (std::is_same_v<R, Ack>) return {32, Sender::both, "ack"};
 }

@@ -176,6 +176,25 @@ struct Bye {
   friend bool operator==(const Bye&, const Bye&) = default;
 };
 
+/// What the robot holds of the long-term map in one region of kRegionTiles² tiles, for the server
+/// to compare. Tiles that hold evidence of its own that the server does not have yet are left out.
+struct MapDigest {
+  struct Tile {
+    std::uint8_t place = 0;  ///< (ty mod 4) · 4 + tx mod 4. [Limit: < 16, ascending]
+    std::uint32_t digest = 0;
+    friend bool operator==(const Tile&, const Tile&) = default;
+  };
+  bool last = false;  ///< At a session's beginning: nothing more is held.
+  /// Of this boot's submaps those up to this one are in the tiles, no others.
+  std::uint32_t holds_sequence = 0;
+  std::int8_t level = 0;
+  std::int32_t rx = 0;  ///< ⌊tx / 4⌋ [Limit: |rx| ≤ kMaxTileCoordinate / 4]
+  std::int32_t ry = 0;
+  std::vector<Tile> tiles;  ///< [Limit: ≤ 16]
+  friend bool operator==(const MapDigest&, const MapDigest&) = default;
+};
+inline constexpr std::int32_t kRegionTiles = 4;
+
 // ---- server → robot -------------------------------------------------------------------------
 
 /// Answers Hello. `epoch` names the site's store: another epoch holds nothing of what an earlier
@@ -315,6 +334,6 @@ struct Ack {
 using Record =
     std::variant<Hello, PoseReport, SpoolReport, SubmapHead, EvidencePatch, CommandReport,
                  CorridorRequest, Bye, Welcome, Reject, Reset, Refusal, Command, PathPart,
-                 CorridorPart, MapPatch, SubmapMove, MapCommit, GroundLost, Ack>;
+                 CorridorPart, MapPatch, SubmapMove, MapCommit, GroundLost, MapDigest, Ack>;
 
 }  // namespace cairn::proto

@@ -24,6 +24,7 @@ EvidenceSender::Outgoing::Outgoing(SubmapId id, SubmapPose pose, int cell_size_m
 }
 
 bool EvidenceSender::Outgoing::head_is_news() const {
+  if (blocks.empty() && !submap.closed) return false;  // It may come to nothing.
   return head.newest.version > std::max(head.acked, head.under_way);
 }
 
@@ -69,6 +70,11 @@ void EvidenceSender::close() {
   for (const auto& [key, block] : outgoing.blocks) {
     head.final_versions += outgoing.versions.version(key);
   }
+}
+
+void EvidenceSender::discard() {
+  assert(open_submap() != nullptr && submaps_.at(last_sequence_).blocks.empty());
+  submaps_.erase(last_sequence_--);
 }
 
 Submap* EvidenceSender::open_submap() {
@@ -356,9 +362,15 @@ bool EvidenceSender::round_has_news() const {
 bool EvidenceSender::synchronised() const {
   return std::ranges::all_of(submaps_, [](const auto& entry) {
     const Outgoing& outgoing = entry.second;
-    return outgoing.head.acked == outgoing.head.newest.version && outgoing.waiting.empty() &&
-           outgoing.blocks_under_way == 0;
+    const bool nothing_to_tell = outgoing.blocks.empty() && !outgoing.submap.closed;
+    return nothing_to_tell || (outgoing.head.acked == outgoing.head.newest.version &&
+                               outgoing.waiting.empty() && outgoing.blocks_under_way == 0);
   });
+}
+
+std::uint32_t EvidenceSender::held_up_to() const {
+  const bool none = submaps_.empty() || submaps_.begin()->first >= kFirstBorrowedSequence;
+  return none ? last_sequence_ : submaps_.begin()->first - 1;
 }
 
 std::size_t EvidenceSender::backlog_blocks() const {

@@ -47,6 +47,9 @@ class EvidenceSender {
   void touch(EvidenceLayer layer, const std::vector<CellIndex>& cells);
   /// The robot will add nothing more to the open submap.
   void close();
+  /// Forgets the open submap, of which nothing was ever told; the next one takes its sequence.
+  /// Requires: an open submap that was never touched.
+  void discard();
   [[nodiscard]] Submap* open_submap();
   // ---- For who keeps a copy outside: what is here, and what went.
 
@@ -101,6 +104,8 @@ class EvidenceSender {
   /// counts as held either.
   void on_session(bool forget_acked);
 
+  /// The server holds all of this boot's submaps up to this sequence, except dropped ones.
+  [[nodiscard]] std::uint32_t held_up_to() const;
   [[nodiscard]] bool has_news() const;               ///< A round would have something to send.
   [[nodiscard]] bool round_has_news() const;         ///< `fill` would add something.
   [[nodiscard]] bool synchronised() const;           ///< The peer holds everything.

@@ -153,6 +153,8 @@ void RobotLink::begin_session(const Welcome& welcome) {
   reports_.on_session();
   if (request_) request_->transit.again();
   map_.on_session();
+  digests_.on_session();
+  digests_due_.reset();
   if (other_store) orders_.forget();
 }
 
@@ -226,6 +228,7 @@ void RobotLink::on_ack(const Ack& ack, MonotonicTime now) {
   for (const std::uint32_t number : news.acked) {
     evidence_.on_acked(number);
     reports_.on_acked(number);
+    digests_.on_acked(number);
     if (request_) request_->transit.on_acked(number);
   }
   if (request_ && request_->transit.acknowledged()) request_.reset();
@@ -247,6 +250,7 @@ void RobotLink::lost(const std::vector<std::uint32_t>& numbers) {
   for (const std::uint32_t number : numbers) {
     evidence_.on_lost(number);
     reports_.on_lost(number);
+    digests_.on_lost(number);
     if (request_) request_->transit.on_lost(number);
   }
 }
@@ -319,11 +323,13 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
   }
   // What somebody waits for travels in short frames, and so does a session's first pose.
   const bool brief = urgent || first_pose;
+  const bool digests = !brief && digests_may_go(now) && digests_.fill(frame, number) > 0;
   const bool evidence = !brief && evidence_may_go(now) && evidence_.fill(frame, number) > 0;
   if (!evidence_.round_has_news()) round_open_ = false;
   const std::size_t bytes = frame.size_bytes() + overhead_bytes_;
-  budget_.sent(evidence ? Traffic::map : pose ? Traffic::pose : Traffic::control, bytes, now);
-  if (urgent || evidence) {
+  const bool map = evidence || digests;
+  budget_.sent(map ? Traffic::map : pose ? Traffic::pose : Traffic::control, bytes, now);
+  if (urgent || map) {
     const auto load = urgent ? Flight::Load::urgent : Flight::Load::evidence;
     flight_.sent(number, load, {bytes, budget_.total()}, now);
     if (!unanswered_since_) unanswered_since_ = now;
@@ -372,10 +378,17 @@ bool RobotLink::pose_is_due(MonotonicTime now) const { return pose_ && now >= po
 
 void RobotLink::open_round_if_due(MonotonicTime now) {
   round_open_ = round_open_ && evidence_.round_has_news();
-  if (round_open_ || now < round_due_ || !evidence_.has_news()) return;
+  if (round_open_ || now < round_due(now) || !evidence_.has_news()) return;
   round_open_ = true;
   evidence_.begin_round(flight_.last_number());
   round_due_ = now + config_.evidence_period;
+}
+
+/// Evidence sets out with a pose, if one is due soon: one frame for both.
+MonotonicTime RobotLink::round_due(MonotonicTime now) const {
+  if (!pose_ || !told_) return round_due_;
+  const MonotonicTime pose = pose_due(now);
+  return pose <= round_due_ + config_.evidence_period ? std::max(round_due_, pose) : round_due_;
 }
 
 bool RobotLink::evidence_waits() const {
@@ -386,9 +399,27 @@ bool RobotLink::evidence_may_go(MonotonicTime now) const {
   return evidence_waits() && budget_.due(Traffic::map, now) <= now;
 }
 
+bool RobotLink::digests_wait() const { return flight_.evidence_may_go() && digests_.has_news(); }
+
+bool RobotLink::digests_may_go(MonotonicTime now) const {
+  return digests_wait() && budget_.due(Traffic::map, now) <= now;
+}
+
+RobotLink::DigestWish RobotLink::digest_wish(MonotonicTime now) const {
+  if (!connected() || !digests_.idle()) return DigestWish::none;
+  if (!digests_due_) return DigestWish::all;
+  return now >= *digests_due_ ? DigestWish::some : DigestWish::none;
+}
+
+void RobotLink::tell_digests(std::vector<MapDigest> digests, MonotonicTime now) {
+  digests_.tell(std::move(digests));
+  digests_due_ = now + config_.digest_period;
+}
+
 bool RobotLink::something_is_due(MonotonicTime now) const {
   const bool ack = ack_due_ && now >= *ack_due_;
-  return ack || reports_.has_news() || request_waits() || pose_is_due(now) || evidence_may_go(now);
+  return ack || reports_.has_news() || request_waits() || pose_is_due(now) || digests_may_go(now) ||
+         evidence_may_go(now);
 }
 
 MonotonicTime RobotLink::next_due(MonotonicTime now) const {
@@ -398,9 +429,9 @@ MonotonicTime RobotLink::next_due(MonotonicTime now) const {
   MonotonicTime due = now + kNothingDue;
   if (ack_due_) due = std::min(due, *ack_due_);
   if (pose_) due = std::min(due, pose_due(now));
-  if (evidence_waits()) due = std::min(due, budget_.due(Traffic::map, now));
+  if (evidence_waits() || digests_wait()) due = std::min(due, budget_.due(Traffic::map, now));
   const bool round_ended = !round_open_ || !evidence_.round_has_news();
-  if (round_ended && evidence_.has_news()) due = std::min(due, round_due_);
+  if (round_ended && evidence_.has_news()) due = std::min(due, round_due(now));
   if (const auto timeout = flight_.due()) due = std::min(due, *timeout);
   if (unanswered_since_) due = std::min(due, *unanswered_since_ + kSilence);
   return std::max(now, due);

@@ -13,6 +13,7 @@
 #include "proto/codec/frame.h"
 #include "proto/sync/ack_log.h"
 #include "proto/sync/budget.h"
+#include "proto/sync/digest_sender.h"
 #include "proto/sync/evidence_sender.h"
 #include "proto/sync/flight.h"
 #include "proto/sync/map_inbox.h"
@@ -38,6 +39,8 @@ struct RobotLinkConfig {
   /// How often evidence sets out: what changed meanwhile travels once. While a round is not yet all
   /// sent (a slow link, a full window) it goes on.
   Duration evidence_period = std::chrono::seconds(1);
+  /// How often some of what the robot holds of the long-term map is compared with the server's.
+  Duration digest_period = std::chrono::minutes(5);
   /// How long `robot_id_in_use` is retried before it is final (an agent that was killed a moment
   /// ago still counts as present at the server).
   Duration in_use_patience = std::chrono::seconds(30);
@@ -93,6 +96,12 @@ class RobotLink {
   /// What came of the long-term map since this was last asked, in its order. Bounded by the server,
   /// which commits a step only after the one before was acknowledged.
   std::vector<MapUpdate> take_map_updates();
+  enum class DigestWish : std::uint8_t { none, some, all };
+  /// Of how much of the map that the robot holds the server should have digests now. `tell_digests`
+  /// answers it; without evidence under way digests compare best.
+  [[nodiscard]] DigestWish digest_wish(MonotonicTime now) const;
+  /// To a wish for all: of all that is held, the last one marked so, even if nothing is.
+  void tell_digests(std::vector<MapDigest> digests, MonotonicTime now);
   /// What came of the corridor of the order that was handed out last.
   std::vector<CorridorPart> take_corridors() { return orders_.take_corridors(); }
   /// The next frame to send now; nullopt when nothing is due. Call until nullopt.
@@ -139,7 +148,10 @@ class RobotLink {
   [[nodiscard]] bool request_waits() const { return request_ && request_->transit.waits(); }
   [[nodiscard]] bool evidence_waits() const;
   [[nodiscard]] bool evidence_may_go(MonotonicTime now) const;
+  [[nodiscard]] bool digests_may_go(MonotonicTime now) const;
+  [[nodiscard]] bool digests_wait() const;
   void open_round_if_due(MonotonicTime now);
+  [[nodiscard]] MonotonicTime round_due(MonotonicTime now) const;
   void acknowledge_by(MonotonicTime due);
   void give_up_late_frames(MonotonicTime now);
   std::vector<std::uint8_t> finish(FrameWriter&& frame);
@@ -175,6 +187,8 @@ class RobotLink {
   };
   std::optional<Request> request_;
   MapInbox map_;
+  DigestSender digests_;
+  std::optional<MonotonicTime> digests_due_;  ///< nullopt: all, at once.
   std::vector<MapUpdate> map_updates_;
   std::optional<PoseReport> pose_;  ///< Not sent yet.
   std::optional<PoseReport> told_;  ///< Sent last in this session.

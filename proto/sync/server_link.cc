@@ -48,7 +48,7 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
 
   std::vector<Event> events;
   Evidence evidence{.number = number, .heads = {}, .blocks = {}, .earlier = {}};
-  bool somebody_waits = false;
+  bool answer_soon = false;  ///< Whatever evidence there is.
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
     if (const auto* head = std::get_if<SubmapHead>(&record)) evidence.heads.push_back(*head);
@@ -57,17 +57,21 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
       if (take(*pose, now)) events.emplace_back(*pose);
     }
     if (const auto* spool = std::get_if<SpoolReport>(&record)) events.emplace_back(*spool);
+    if (const auto* digest = std::get_if<MapDigest>(&record)) {
+      answer_soon = true;
+      events.emplace_back(*digest);
+    }
     if (const auto* report = std::get_if<CommandReport>(&record)) {
-      somebody_waits = true;
+      answer_soon = true;
       if (take(*report, number)) events.emplace_back(*report);
     }
     if (const auto* request = std::get_if<CorridorRequest>(&record)) {
-      somebody_waits = true;
+      answer_soon = true;
       events.emplace_back(*request);
     }
   }
   if (!read_patches(frame, evidence.blocks) || !name_earlier(evidence)) return events;
-  const bool eager = elicits_ack(evidence, somebody_waits);
+  const bool eager = elicits_ack(evidence, answer_soon);
   if (!evidence.heads.empty() || !evidence.blocks.empty()) {
     events.emplace_back(std::move(evidence));
   } else {
@@ -117,7 +121,8 @@ void ServerLink::count(const Frame& frame, std::size_t bytes) {
   for (const Record& record : frame.records) {
     if (std::holds_alternative<PoseReport>(record)) kind = std::max(kind, Traffic::pose);
     if (std::holds_alternative<SubmapHead>(record) ||
-        std::holds_alternative<EvidencePatch>(record)) {
+        std::holds_alternative<EvidencePatch>(record) ||
+        std::holds_alternative<MapDigest>(record)) {
       kind = Traffic::map;
     }
   }

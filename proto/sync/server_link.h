@@ -48,8 +48,8 @@ class ServerLink {
     /// The submap that a sequence of this frame names. `boot`: the session's.
     [[nodiscard]] SubmapId submap(std::uint64_t boot, std::uint32_t sequence) const;
   };
-  using Event =
-      std::variant<PoseReport, SpoolReport, CommandReport, CorridorRequest, Evidence, Bye>;
+  using Event = std::variant<PoseReport, SpoolReport, CommandReport, CorridorRequest, MapDigest,
+                             Evidence, Bye>;
   /// [submaps] Of earlier boots, whose borrowed names are remembered; the lowest goes first.
   static constexpr std::size_t kMaxBorrowed = 1024;
 

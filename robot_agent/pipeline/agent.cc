@@ -119,6 +119,7 @@ Status Agent::exchange(MonotonicTime clock, std::chrono::milliseconds wait) {
     ++corridors_;
   }
   take_map();
+  compare_maps(clock);
   if (spool_ != nullptr) {
     spool_->look(link_.evidence(), clock);
     link_.set_spool(spool_->report());
@@ -145,6 +146,21 @@ void Agent::take_map() {
     mapper_.move_submaps(moves);
     mapper_.take_tiles(tiles);
   }
+}
+
+void Agent::compare_maps(MonotonicTime clock) {
+  constexpr std::size_t kSome = 5;  // A parked robot stays below 100 bit/s.
+  const proto::RobotLink::DigestWish wish = link_.digest_wish(clock);
+  if (wish == proto::RobotLink::DigestWish::none) return;
+  auto digests = mapper_.replica().digests(link_.evidence().held_up_to());
+  if (wish == proto::RobotLink::DigestWish::all) {
+    if (!digests.empty()) digests.back().last = true;
+  } else if (digests.size() > kSome) {
+    next_digest_ = (next_digest_ + kSome) % digests.size();
+    std::ranges::rotate(digests, digests.begin() + static_cast<std::ptrdiff_t>(next_digest_));
+    digests.resize(kSome);
+  }
+  link_.tell_digests(std::move(digests), clock);
 }
 
 void Agent::say_goodbye() {

@@ -67,6 +67,7 @@ class Agent {
   void take_reading(const Reading& reading);
   void drive(MonotonicTime clock);
   void take_map();
+  void compare_maps(MonotonicTime clock);
   void tell(MonotonicTime clock);
   Status send_due(MonotonicTime clock);
 
@@ -79,6 +80,7 @@ class Agent {
   Driver driver_;
   DriveCommand wheels_;
   std::optional<Journey> journey_;
+  std::size_t next_digest_ = 0;
   std::uint64_t corridors_ = 0;
 };
 

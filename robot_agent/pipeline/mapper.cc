@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/common/angle.h"
@@ -24,6 +25,12 @@ constexpr double kAroundM = 8.0;
 constexpr double kLevelMountRad = 0.01;
 /// [rad] A correction that turns the robot by more ends the submap.
 constexpr double kTurnThatTearsRad = 0.0087;
+/// [m/m], [rad] So far a map is believed to be straight between two of its places.
+constexpr double kMapBend = 0.01;
+
+double horizontal_sigma_m(const Eigen::Matrix4d& covariance) {
+  return std::sqrt(covariance(0, 0) + covariance(1, 1));
+}
 
 std::uint16_t saturated(double value) {
   return static_cast<std::uint16_t>(std::clamp(std::ceil(value), 1.0, 65'535.0));
@@ -39,6 +46,8 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       T_site_robot_(T_site_start),
       since_correction_(config.dead_reckoning),
       since_submap_(config.dead_reckoning),
+      since_previous_(config.dead_reckoning),
+      since_whole_(config.dead_reckoning),
       incline_trust_(config.incline),
       ground_tracking_(config.ground_tracking),
       tracking_(config.tracking),
@@ -60,8 +69,9 @@ void Mapper::take_motion(const MotionReading& reading) {
   ground_tracking_.move(distance_m() - way_before_m,
                         incline_trust_.rate_rad_s() * std::max(dt_s, 0.0),
                         incline_trust_.sigma_rad());
-  since_correction_.add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
-  since_submap_.add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
+  for (Drift* drift : {&since_correction_, &since_submap_, &since_previous_, &since_whole_}) {
+    drift->add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
+  }
   submap_turned_rad_ += std::abs(wrap_angle(dead_reckoning_.pose().yaw_rad - before.yaw_rad));
   place_robot();
   turn_submaps_over();
@@ -121,8 +131,9 @@ void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   if (!step.matched) return;
   const double turn_rad = wrap_angle(step.T_local_robot.yaw_rad - dead_reckoning_.pose().yaw_rad);
   dead_reckoning_.correct(step.T_local_robot, Eigen::Matrix4d::Zero());
-  since_correction_.track(step.T_local_robot, step.information, step.kept);
-  since_submap_.track(step.T_local_robot, step.information, step.kept);
+  for (Drift* drift : {&since_correction_, &since_submap_, &since_previous_, &since_whole_}) {
+    drift->track(step.T_local_robot, step.information, step.kept);
+  }
   submap_turned_rad_ += std::abs(turn_rad);
   place_robot();
   localization_.move(T_site_robot_);
@@ -167,34 +178,81 @@ bool Mapper::submap_full() const {
 }
 
 void Mapper::begin_submap() {
-  writer_.begin(T_site_robot_, replica_.now());
+  writer_.begin(T_site_robot_, replica_.now(), telling());
   const Pose T_site_submap = pose_of(writer_.open()->T_site_submap);
   young_.push_back(
       {writer_.open()->id.sequence, from_to(level(T_site_local_), T_site_submap), distance_m()});
-  if (chained_) link_submap();
-  chained_ = true;
+  was_chained_ = std::exchange(chained_, true);
+  if (was_chained_) link_submap();
   since_submap_.start(Eigen::Matrix4d::Zero());
   submap_turned_rad_ = 0.0;
   age_submaps();
 }
 
+/// On ground that it knows well a robot tells only what is new there. But the pose graph lays old
+/// and new ground over each other by what both show: so where the robot comes back to ground of its
+/// own, and now and then as it becomes less sure since, it tells all.
+SubmapWriter::Telling Mapper::telling() {
+  const SiteLocalization::Surroundings around = surroundings();
+  if (localization() != LocalizationState::localized || around.old_share < config_.known_share) {
+    whole_ = 0;
+    return SubmapWriter::Telling::all;
+  }
+  const double drift_m = horizontal_sigma_m(since_whole_.covariance());
+  if (around.given ? position_sigma_m() < config_.firm_sigma_m
+                   : whole_ >= config_.whole_submaps && drift_m < config_.firm_sigma_m) {
+    return SubmapWriter::Telling::news;
+  }
+  ++whole_;
+  since_whole_.start(Eigen::Matrix4d::Zero());
+  return SubmapWriter::Telling::all;
+}
+
 void Mapper::link_submap() {
+  const SubmapLink by_way = way_link();
+  const std::optional<SubmapLink> by_map = map_link();
+  writer_.link(by_map && by_map->sigma_xy_mm < by_way.sigma_xy_mm ? *by_map : by_way);
+}
+
+SubmapLink Mapper::way_link() const {
   const Pose& T_local_previous = young_[young_.size() - 2].T_local_submap;
   const Pose& T_local_submap = young_.back().T_local_submap;
   // What is known is where the robot is; the submap's origin lies off it by a lever.
   const Pose& robot = dead_reckoning_.pose();
-  const Eigen::Matrix4d& covariance = since_submap_.covariance();
+  const Eigen::Matrix4d& covariance = since_previous_.covariance();
   const double lever_m = std::hypot(T_local_submap.x_m - robot.x_m, T_local_submap.y_m - robot.y_m);
   const double xy_m2 =
       0.5 * (covariance(0, 0) + covariance(1, 1)) + 0.5 * lever_m * lever_m * covariance(3, 3);
-  writer_.link({.T_previous_submap = rounded(from_to(T_local_previous, T_local_submap)),
-                .sigma_xy_mm = saturated(std::sqrt(xy_m2) * 1e3),
-                .sigma_z_mm = saturated(std::sqrt(covariance(2, 2)) * 1e3),
-                .sigma_yaw_1e4rad = saturated(std::sqrt(covariance(3, 3)) * 1e4)});
+  return {.T_previous_submap = rounded(from_to(T_local_previous, T_local_submap)),
+          .sigma_xy_mm = saturated(std::sqrt(xy_m2) * 1e3),
+          .sigma_z_mm = saturated(std::sqrt(covariance(2, 2)) * 1e3),
+          .sigma_yaw_1e4rad = saturated(std::sqrt(covariance(3, 3)) * 1e4)};
+}
+
+/// Between two places on a map that the robot was given and fits: what drifted on the way there,
+/// over known ground, says less than the map.
+std::optional<SubmapLink> Mapper::map_link() const {
+  if (localization() != LocalizationState::localized || !surroundings().given) return std::nullopt;
+  const Submap* const previous = replica_.find(young_[young_.size() - 2].sequence);
+  if (previous == nullptr) return std::nullopt;
+  const Pose T_previous_submap =
+      from_to(pose_of(previous->T_site_submap), pose_of(writer_.open()->T_site_submap));
+  const double apart_m = std::hypot(T_previous_submap.x_m, T_previous_submap.y_m);
+  const double sigma_m = std::numbers::sqrt2 * position_sigma_m() + kMapBend * apart_m;
+  return SubmapLink{.T_previous_submap = rounded(T_previous_submap),
+                    .sigma_xy_mm = saturated(sigma_m * 1e3),
+                    .sigma_z_mm = saturated(sigma_m * 1e3),
+                    .sigma_yaw_1e4rad = saturated(kMapBend * 1e4)};
 }
 
 void Mapper::close_submap() {
-  replica_.add(writer_.close());
+  if (auto closed = writer_.close()) {
+    replica_.add(*std::move(closed));
+    since_previous_ = since_submap_;
+  } else {  // Nothing was to be told: the next one takes its place in the chain.
+    young_.pop_back();
+    chained_ = was_chained_;
+  }
   forget_far_tiles();
 }
 

@@ -93,7 +93,10 @@ class Mapper {
   void turn_submaps_over();
   [[nodiscard]] bool submap_full() const;
   void begin_submap();
+  [[nodiscard]] SubmapWriter::Telling telling();
   void link_submap();
+  [[nodiscard]] SubmapLink way_link() const;
+  [[nodiscard]] std::optional<SubmapLink> map_link() const;
   void close_submap();
   void age_submaps();
   void forget_far_tiles();
@@ -111,7 +114,9 @@ class Mapper {
   Pose T_site_local_;
   Pose T_site_robot_;
   Drift since_correction_;
-  Drift since_submap_;
+  Drift since_submap_;    ///< Since the open submap began …
+  Drift since_previous_;  ///< … the one before it …
+  Drift since_whole_;     ///< … and the last one of which all was told.
   InclineTrust incline_trust_;
   GroundTracking ground_tracking_;
   Eigen::Vector2d missed_incline_rad_ = Eigen::Vector2d::Zero();  ///< Of roll and pitch, lately.
@@ -121,8 +126,10 @@ class Mapper {
   Replica replica_;
   SiteLocalization localization_;
   Relocalization relocalization_;
-  std::vector<Mark> young_;  ///< Submaps that are not old yet, the open one last.
-  bool chained_ = false;     ///< The next submap hangs on the last of `young_`.
+  std::vector<Mark> young_;   ///< Submaps that are not old yet, the open one last.
+  bool chained_ = false;      ///< The next submap hangs on the last of `young_`.
+  bool was_chained_ = false;  ///< So did the open one.
+  int whole_ = 0;  ///< [submaps] Of which all was told, one after the other on known ground.
   double submap_turned_rad_ = 0.0;
   MonotonicTime last_motion_{};
 };

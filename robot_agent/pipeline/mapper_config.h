@@ -9,6 +9,7 @@
 #include "core/map/sensor_model.h"
 #include "core/pose/dead_reckoning.h"
 #include "core/pose/incline_trust.h"
+#include "robot_agent/pipeline/news.h"
 
 namespace cairn::agent {
 
@@ -20,6 +21,14 @@ struct MapperConfig {
   /// [s] A robot that has stood for so long tells what changes around it at this interval only: at
   /// the edges of things beams hit now this cell, now that.
   double parked_telling_s = 15.0;
+  NewsConfig news;
+  /// [0 … 1] On ground of which so much is old the robot tells only news …
+  double known_share = 0.9;
+  /// [m] … as long as its place in the map is known as well as this, one sigma …
+  double firm_sigma_m = 0.1;
+  /// [submaps] … and, on ground that it mapped itself, after so many that it told whole: by those
+  /// the server's pose graph can tell how old and new ground lie.
+  int whole_submaps = 2;
   DeadReckoningConfig dead_reckoning;
   /// [m] Beams count this far: beyond it the error of the inclinometer exceeds a kerb's height.
   double mapping_range_m = 15.0;

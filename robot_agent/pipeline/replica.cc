@@ -167,6 +167,30 @@ void Replica::forget_beyond(double x_m, double y_m, double radius_m) {
   }
 }
 
+std::vector<proto::MapDigest> Replica::digests(std::uint32_t held_up_to) const {
+  std::vector<TileKey> ahead;
+  for (const Kept& kept : submaps_) {
+    if (kept.submap.id.sequence > held_up_to) merge_into(ahead, kept.touches);
+  }
+  std::map<proto::Region, proto::MapDigest> regions;
+  for (const auto& [key, tile] : now_.map.tiles()) {
+    if (std::binary_search(ahead.begin(), ahead.end(), key)) continue;
+    const proto::Region region = proto::region_of(key);
+    proto::MapDigest& digest = regions[region];
+    digest.holds_sequence = held_up_to;
+    digest.level = region.level;
+    digest.rx = region.rx;
+    digest.ry = region.ry;
+    digest.tiles.push_back({proto::place_of(key), proto::digest_of(PackedTile::pack(*tile))});
+  }
+  std::vector<proto::MapDigest> all;
+  for (auto& [region, digest] : regions) {
+    std::ranges::sort(digest.tiles, {}, &proto::MapDigest::Tile::place);
+    all.push_back(std::move(digest));
+  }
+  return all;
+}
+
 std::vector<std::pair<std::uint32_t, SubmapPose>> Replica::placed_after(
     std::uint32_t sequence) const {
   std::vector<std::pair<std::uint32_t, SubmapPose>> later;

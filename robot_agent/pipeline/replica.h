@@ -10,6 +10,7 @@
 
 #include "core/map/fold.h"
 #include "core/map/sensor_model.h"
+#include "proto/sync/digest_sender.h"
 
 namespace cairn::agent {
 
@@ -49,6 +50,10 @@ class Replica {
   void move(const std::vector<std::pair<std::uint32_t, SubmapPose>>& poses);
   /// Forgets tiles whose middle is farther from a place than this.
   void forget_beyond(double x_m, double y_m, double radius_m);
+
+  /// Of the tiles as they are now, by region. Those in which an own submap later than `held_up_to`
+  /// lies are left out: the server has it not yet. Reads every tile.
+  [[nodiscard]] std::vector<proto::MapDigest> digests(std::uint32_t held_up_to) const;
 
   /// Null when it is not kept.
   [[nodiscard]] const Submap* find(std::uint32_t sequence) const;

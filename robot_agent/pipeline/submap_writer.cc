@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/common/angle.h"
@@ -24,13 +25,16 @@ SubmapWriter::SubmapWriter(const MapperConfig& config, std::uint64_t boot,
       evidence_(evidence),
       integrator_(config.sensor_model),
       rules_(config.sensor_model),
+      news_(config.news, config.sensor_model),
       reference_(config.cell_size_mm),
       surface_(config.cell_size_mm),
       seen_through_(config.cell_size_mm) {
   evidence_.set_coarseness(config.coarseness);
 }
 
-void SubmapWriter::begin(const Pose& T_site_robot, const HeightMap& replica) {
+void SubmapWriter::begin(const Pose& T_site_robot, const HeightMap& replica, Telling telling) {
+  telling_ = telling;
+  told_ = false;
   // The origin is a corner of the site's tiles and a whole metre of height: as long as nothing
   // moves the submap it folds into the long-term map cell by cell.
   const int tile_mm = config_.cell_size_mm * Tile::kSize;
@@ -65,9 +69,15 @@ void SubmapWriter::make_reference(const HeightMap& replica) {
   }
 }
 
-Submap SubmapWriter::close() {
+std::optional<Submap> SubmapWriter::close() {
   assert(open_ != nullptr);
   tell_noted();
+  tell_patient();
+  if (!told_) {
+    open_ = nullptr;
+    evidence_.discard();
+    return std::nullopt;
+  }
   Submap closed = *open_;
   closed.closed = true;
   open_ = nullptr;
@@ -100,7 +110,7 @@ void SubmapWriter::take_scan(const Scan& scan, const LaserSpec& laser, const Pos
 void SubmapWriter::integrate(const std::vector<Beam>& beams,
                              std::optional<std::int32_t> ground_mm) {
   const ScanEffect effect = integrator_.integrate(surface_, beams, ground_mm, &reference_);
-  note(EvidenceLayer::surface, effect.changed);
+  note(effect.changed);
   beams_ += effect.beams;
   note_seen_through(effect.contradictions);
 }
@@ -120,12 +130,11 @@ void SubmapWriter::note_seen_through(const std::vector<Contradiction>& contradic
     if (after == before || !seen_through_.set(contradiction.cell, after)) continue;
     seen_through.push_back(contradiction.cell);
   }
-  note(EvidenceLayer::seen_through, seen_through);
+  note(seen_through);
 }
 
-void SubmapWriter::note(EvidenceLayer layer, const std::vector<CellIndex>& changed) {
-  auto& noted = noted_.at(static_cast<std::size_t>(layer));
-  noted.insert(noted.end(), changed.begin(), changed.end());
+void SubmapWriter::note(const std::vector<CellIndex>& changed) {
+  noted_.insert(noted_.end(), changed.begin(), changed.end());
 }
 
 void SubmapWriter::tell_when_due(const Pose& T_site_robot, MonotonicTime now) {
@@ -143,24 +152,94 @@ void SubmapWriter::tell_when_due(const Pose& T_site_robot, MonotonicTime now) {
   if (parked_ && to_seconds(now - told_at_) < config_.parked_telling_s) return;
   tell_noted();
   told_at_ = now;
+  if (to_seconds(now - told_patient_at_) < config_.news.patience_s) return;
+  tell_patient();
+  told_patient_at_ = now;
 }
 
 void SubmapWriter::tell_noted() {
+  std::vector<CellIndex> now;
+  for (const CellIndex cell : std::exchange(noted_, {})) {
+    const News::Worth worth = worth_of(cell);
+    if (worth == News::Worth::much) now.push_back(cell);
+    if (worth == News::Worth::little) patient_.push_back(cell);
+  }
+  tell(now);
+}
+
+void SubmapWriter::tell_patient() {
+  std::ranges::sort(patient_, std::less<>{},
+                    [](CellIndex cell) { return std::pair(cell.y, cell.x); });
+  const auto again = std::ranges::unique(patient_);
+  patient_.erase(again.begin(), again.end());
+  std::erase_if(patient_,
+                [this](CellIndex cell) { return worth_of(cell) == News::Worth::nothing; });
+  tell(std::exchange(patient_, {}));
+}
+
+/// Of what was told already, a change is news as it would be without a map.
+News::Worth SubmapWriter::worth_of(CellIndex cell) const {
+  if (telling_ == Telling::all) return News::Worth::much;
+  const Cell surface = surface_.cell(cell);
+  const Cell seen_through = seen_through_.cell(cell);
+  const Cell surface_told = open_->surface.cell(cell);
+  const Cell seen_through_told = open_->seen_through.cell(cell);
+  if (!surface_told.known() && !seen_through_told.known()) {
+    const News::Worth worth = news_.worth(reference_.cell(cell), seen_through, surface);
+    return worth != News::Worth::nothing && is_of_its_edge(cell) ? News::Worth::nothing : worth;
+  }
+  const Cell stood = surface_told.known() ? surface_told : reference_.cell(cell);
+  const bool rises = surface.known() && (!stood.known() || surface.height_mm - stood.height_mm >
+                                                               config_.sensor_model.tolerance_mm);
+  return rises && surface.probability >= config_.news.stands ? News::Worth::much
+                                                             : News::Worth::little;
+}
+
+/// Whether what the robot sees there is what it knows right beside: where it is, and where a cell
+/// ends, is never known so well that the edges of things lay in the same cells each time. A surface
+/// counts as gone only where nothing beside it shows that it still stands.
+bool SubmapWriter::is_of_its_edge(CellIndex cell) const {
+  const Cell known = reference_.cell(cell);
+  if (!known.known() || seen_through_.cell(cell).probability == kCertainlyEmpty) return false;
+  const auto same = [this](const Cell& a, const Cell& b) {
+    return a.known() && b.known() &&
+           std::abs(a.height_mm - b.height_mm) <= config_.sensor_model.tolerance_mm;
+  };
+  const Cell surface = surface_.cell(cell);
+  const bool higher =
+      surface.known() && surface.height_mm > known.height_mm && !same(surface, known);
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const CellIndex beside{cell.x + dx, cell.y + dy};
+      if (beside == cell) continue;
+      const Cell known_beside = reference_.cell(beside);
+      if (higher ? same(known_beside, surface)
+                 : same(known_beside, known) && same(surface_.cell(beside), known_beside)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Both layers of each cell: doubt without what speaks against it would unlearn what still stands.
+void SubmapWriter::tell(const std::vector<CellIndex>& cells) {
   for (const auto layer : {EvidenceLayer::surface, EvidenceLayer::seen_through}) {
-    tell(layer, std::exchange(noted_.at(static_cast<std::size_t>(layer)), {}));
+    tell(layer, cells);
   }
 }
 
-void SubmapWriter::tell(EvidenceLayer layer, const std::vector<CellIndex>& changed) {
+void SubmapWriter::tell(EvidenceLayer layer, const std::vector<CellIndex>& cells) {
   const HeightMap& exact = layer == EvidenceLayer::surface ? surface_ : seen_through_;
   HeightMap& told = layer_of(*open_, layer);
   std::vector<CellIndex> news;
-  for (const CellIndex cell : changed) {
+  for (const CellIndex cell : cells) {
     const Cell before = told.cell(cell);
     const Cell now = coarse(exact.cell(cell), before, config_.coarseness);
     const bool same = now == before || (!now.known() && !before.known());
     if (!same && told.set(cell, now)) news.push_back(cell);
   }
+  told_ = told_ || !news.empty();
   evidence_.touch(layer, news);
 }
 
@@ -180,8 +259,8 @@ void SubmapWriter::touch_ground(const Pose& T_site_robot) {
       hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
-  note(EvidenceLayer::surface, changed);
-  note(EvidenceLayer::seen_through, emptied);
+  note(changed);
+  note(emptied);
   if (!parked_) tell_noted();
 }
 
@@ -220,7 +299,7 @@ void SubmapWriter::lay_apron(const Scan& scan, const LaserSpec& laser, const Pos
       if (!surface_.cell(index).known()) hit_ground(p.x(), p.y(), p.z(), changed);
     }
   }
-  note(EvidenceLayer::surface, changed);
+  note(changed);
 }
 
 }  // namespace cairn::agent

@@ -196,6 +196,8 @@ void Hub::take_events(Robot& robot, std::vector<proto::ServerLink::Event> events
       robot.spool = *spool;
     } else if (const auto* report = std::get_if<proto::CommandReport>(&event)) {
       listener_.reported(robot, *report);
+    } else if (const auto* digest = std::get_if<proto::MapDigest>(&event)) {
+      compare(robot, *digest);
     } else if (const auto* request = std::get_if<proto::CorridorRequest>(&event)) {
       listener_.asked(robot, *request);
     } else if (auto* evidence = std::get_if<proto::ServerLink::Evidence>(&event)) {
@@ -217,6 +219,20 @@ void Hub::submit(Robot& robot, proto::ServerLink::Evidence evidence) {
                                     self->settle(session, number, outcome);
                                   });
                      });
+}
+
+void Hub::compare(Robot& robot, const proto::MapDigest& digest) {
+  robot.downlink.hear(digest, now());
+  const std::uint32_t session = robot.link->session();
+  robot.site->compare(robot.link->boot(), digest,
+                      [self = shared_from_this(), session](std::vector<ComparedTile> compared) {
+                        asio::post(self->strand_, [self, session, compared = std::move(compared)] {
+                          const auto found = self->sessions_.find(session);
+                          if (found != self->sessions_.end()) {
+                            self->robots_.at(found->second).downlink.take(compared);
+                          }
+                        });
+                      });
 }
 
 void Hub::settle(std::uint32_t session, std::uint32_t number, const Site::Outcome& outcome) {

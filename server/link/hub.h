@@ -77,6 +77,7 @@ class Hub : public std::enable_shared_from_this<Hub> {
                     std::shared_ptr<Site> site);
   void take_events(Robot& robot, std::vector<proto::ServerLink::Event> events);
   void submit(Robot& robot, proto::ServerLink::Evidence evidence);
+  void compare(Robot& robot, const proto::MapDigest& digest);
   void settle(std::uint32_t session, std::uint32_t number, const Site::Outcome& outcome);
   void answer(std::size_t carrier, const std::string& peer, std::uint32_t session,
               const proto::Record& record);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "core/map/tile.h"
 #include "proto/sync/map_sender.h"
@@ -12,6 +13,15 @@ namespace cairn::server {
 struct ToldMap {
   std::unordered_map<TileKey, std::uint64_t, TileKeyHash> stamps;  ///< As from TileLedger.
   std::uint32_t edition = 0;
+  /// Tiles that the robot turned out to hold otherwise, though it was told all or made it itself.
+  std::unordered_set<TileKey, TileKeyHash> differs{};
+};
+
+/// How a robot's tile compares with the server's.
+struct ComparedTile {
+  TileKey key;
+  bool same = false;
+  std::uint64_t stamp = 0;  ///< Of the newest news for the robot in it, as from TileLedger.
 };
 
 /// Who asks for the long-term map, and where the need is greatest.

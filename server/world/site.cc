@@ -70,6 +70,12 @@ void Site::offer(const MapNeed& need, std::shared_ptr<const ToldMap> told,
                        reply = std::move(reply)] { reply(self->world_->offer(need, *told)); });
 }
 
+void Site::compare(std::uint64_t boot, proto::MapDigest digest,
+                   std::function<void(std::vector<ComparedTile>)> reply) {
+  asio::post(strand_, [self = shared_from_this(), boot, digest = std::move(digest),
+                       reply = std::move(reply)] { reply(self->world_->compare(boot, digest)); });
+}
+
 void Site::submit(std::string robot, std::uint64_t boot, proto::ServerLink::Evidence evidence,
                   Done done) {
   asio::post(strand_, [self = shared_from_this(), robot = std::move(robot), boot,

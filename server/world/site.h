@@ -44,6 +44,9 @@ class Site : public std::enable_shared_from_this<Site> {
   /// What a robot should be told next of the long-term map, see World::offer.
   void offer(const MapNeed& need, std::shared_ptr<const ToldMap> told,
              std::function<void(PreparedOffer)> reply);
+  /// See World::compare.
+  void compare(std::uint64_t boot, proto::MapDigest digest,
+               std::function<void(std::vector<ComparedTile>)> reply);
   /// Commits what is staged and publishes; for an orderly end.
   void flush(std::function<void()> done);
 

@@ -177,12 +177,33 @@ void World::merge(LiveSubmap& submap) {
   live_.erase(id);
 }
 
+/// A boot's submaps in their order, as its robot folds them: what is complete waits for what it
+/// made before, but not for ever, for some of that may have been lost with the robot's memory.
+std::vector<SubmapId> World::next_to_fold() const {
+  std::vector<SubmapId> next;
+  std::map<std::uint64_t, std::vector<SubmapId>> waiting;  // Behind something incomplete, by boot.
+  for (const auto& [id, submap] : live_) {
+    const auto behind = waiting.find(id.boot);
+    if (!submap.complete()) {
+      waiting.try_emplace(id.boot);
+    } else if (behind == waiting.end()) {
+      next.push_back(id);
+    } else {
+      behind->second.push_back(id);
+    }
+  }
+  for (const auto& [boot, ids] : waiting) {
+    if (ids.size() > kMaxWaitingToFold) next.insert(next.end(), ids.begin(), ids.end());
+  }
+  return next;
+}
+
 std::vector<SubmapId> World::fold_complete(Transaction& transaction) {
   std::vector<SubmapId> folded;
   std::map<TileKey, std::optional<Tile>> tiles;
   std::map<TileKey, std::uint64_t> versions;
-  for (auto& [id, submap] : live_) {
-    if (!submap.complete()) continue;
+  for (const SubmapId& id : next_to_fold()) {
+    LiveSubmap& submap = live_.at(id);
     submap.row().state = SubmapState::merged;
     submap.row().merge_order = merge_order_ + folded.size() + 1;
     dirty_heads_.insert(id);

@@ -83,6 +83,11 @@ class World {
   /// and tiles that others changed, nearest first. Only what is merged.
   [[nodiscard]] PreparedOffer offer(const MapNeed& need, const ToldMap& told) const;
 
+  /// A robot's digests against the merged map. What cannot be compared now, because a submap of the
+  /// robot's is in one map and not in the other, is left out.
+  [[nodiscard]] std::vector<ComparedTile> compare(std::uint64_t boot,
+                                                  const proto::MapDigest& digest) const;
+
   /// A number that has never been used in this site, durable before it is returned.
   Result<std::uint64_t> next_command_id();
 
@@ -104,6 +109,8 @@ class World {
   static constexpr std::size_t kMaxStagedBlocks = 20'000;
   /// [submaps] Live at once in a site; beyond it new ones are not accepted.
   static constexpr std::size_t kMaxLiveSubmaps = 4'096;
+  /// [submaps] Of one boot, complete and behind an incomplete one; more are folded without it.
+  static constexpr std::size_t kMaxWaitingToFold = 16;
 
  private:
   World(std::unique_ptr<Store> store, const SensorModel& model);
@@ -111,6 +118,7 @@ class World {
   LiveSubmap* live(const SubmapId& id, const std::string& robot);
   void mark_dirty_tiles(const LiveSubmap& submap);
   void mark_dirty_tiles(const LiveSubmap& submap, const BlockKey& key);
+  [[nodiscard]] std::vector<SubmapId> next_to_fold() const;
   /// Folds complete submaps into the transaction's tiles; returns their ids.
   std::vector<SubmapId> fold_complete(Transaction& transaction);
   std::shared_ptr<const PackedTile> overlaid(const TileKey& key) const;

@@ -230,16 +230,20 @@ void World::add_moves(const MapNeed& need, const ToldMap& told, PreparedOffer& p
 void World::add_tiles(const MapNeed& need, const ToldMap& told, PreparedOffer& prepared) const {
   const double tile_m = store_->site().cell_size_mm * Tile::kSize / 1000.0;
   std::vector<std::pair<double, TileKey>> wanted;
-  ledger_.for_each([&](const TileKey& key) {
+  const auto look = [&](const TileKey& key) {
     const double dx_m = (key.tx + 0.5) * tile_m - need.x_m;
     const double dy_m = (key.ty + 0.5) * tile_m - need.y_m;
     const double distance_m = std::hypot(dx_m, dy_m);
     if (distance_m > kOfferRadiusM) return;
     const auto known = told.stamps.find(key);
     const std::uint64_t told_stamp = known == told.stamps.end() ? 0 : known->second;
-    if (ledger_.news_for(key, need.boot) > told_stamp) wanted.emplace_back(distance_m, key);
-  });
+    const bool news = ledger_.news_for(key, need.boot) > told_stamp;
+    if (news || told.differs.contains(key)) wanted.emplace_back(distance_m, key);
+  };
+  ledger_.for_each(look);
+  for (const TileKey& key : told.differs) look(key);  // The server may never have had one.
   std::ranges::sort(wanted);
+  wanted.erase(std::ranges::unique(wanted).begin(), wanted.end());
   if (wanted.size() > proto::MapSender::kMaxTiles) wanted.resize(proto::MapSender::kMaxTiles);
   const std::uint32_t holds = folded_up_to(need.boot);
   for (const auto& [distance_m, key] : wanted) {
@@ -248,6 +252,19 @@ void World::add_tiles(const MapNeed& need, const ToldMap& told, PreparedOffer& p
     prepared.offer.tiles.push_back({key, tile, holds});
     prepared.told.stamps[key] = ledger_.news_for(key, need.boot);
   }
+}
+
+std::vector<ComparedTile> World::compare(std::uint64_t boot, const proto::MapDigest& digest) const {
+  const bool same_submaps = digest.holds_sequence == folded_up_to(boot);
+  std::vector<ComparedTile> compared;
+  for (const proto::MapDigest::Tile& tile : digest.tiles) {
+    const TileKey key = proto::tile_of(digest, tile);
+    const auto base = base_.find(key);
+    const std::uint32_t held = base == base_.end() ? 0 : proto::digest_of(*base->second);
+    const bool same = held == tile.digest;
+    if (same || same_submaps) compared.push_back({key, same, ledger_.news_for(key, boot)});
+  }
+  return compared;
 }
 
 std::uint32_t World::folded_up_to(std::uint64_t boot) const {

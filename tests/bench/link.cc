@@ -1,5 +1,5 @@
 // The link on the wire: bytes as the emulator counts them, IP headers included, both ways.
-//   bench_link [--seeds N] [--outage SECONDS] [--trials N]
+//   bench_link [--seeds N] [--outage SECONDS] [--trials N] [--only PART]
 // First contact, a standing robot and mapping run the real programs over the emulated radio, on
 // each carrier; a thousand stops and outages run in virtual time over the same channels.
 
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/link_convergence.h"
 #include "tests/bench/link_virtual.h"
 #include "tests/bench/report.h"
 #include "tests/support/emulated_site.h"
@@ -28,6 +29,7 @@ struct Options {
   int seeds = 3;
   int outage_s = 60;
   int trials = 1'000;
+  std::string only;  ///< One of `main`'s parts; empty: all.
 };
 
 ChannelConfig radio(double rate_bit_s, double loss) {
@@ -153,6 +155,30 @@ void measure_mapping(Report& report) {
   }
 }
 
+/// Round and round in a room that an earlier run of the agent mapped.
+void measure_patrol(Report& report) {
+  const std::vector<std::string> robot{"--world", "room", "--site", "lab"};
+  const std::vector<std::string> round{"goto",    "10.5,2.5", "10.5,10.5", "2.5,10.5",
+                                       "2.5,2.5", "--loop",   "--expires", "3600"};
+  for (const CarrierKind carrier : {CarrierKind::udp, CarrierKind::dds}) {
+    const auto site = start(11, carrier, radio(64'000, 0.0), robot);
+    if (!site || !known(*site)) continue;
+    (void)site->cairn(round);
+    (void)bit_rate_over(*site, 100s);
+    site->start_agent(robot);  // Where it was first switched on.
+    // The old session still counts as present: the new run is let in once it has been silent.
+    if (!site->agent().wait_for_output("connected to the server", 90s)) continue;
+    (void)bit_rate_over(*site, 5s);
+    (void)site->cairn(round);
+    (void)bit_rate_over(*site, 60s);
+    Figure figure{.name = std::string("patrol of known ground, ") + to_string(carrier),
+                  .value = bit_rate_over(*site, 75s) * 1e-3,
+                  .unit = "kbit/s"};
+    if (carrier == CarrierKind::udp) figure.goal = 1.2;
+    report.add(figure);
+  }
+}
+
 constexpr std::size_t kUdpOverhead = 52;
 constexpr std::size_t kDdsOverhead = 92;
 
@@ -204,6 +230,23 @@ void measure_outage(const Options& options, Report& report) {
   }
 }
 
+void measure_staleness(Report& report) {
+  std::vector<double> mean_s;
+  for (const double loss : {0.0, 0.2}) {
+    VirtualLink link(41, radio(64'000, loss), kUdpOverhead);
+    link.run(5s);
+    mean_s.push_back(link.mean_staleness_s(1000s));
+    report.add({.name = "age of the server's copy, 64 kbit/s, loss " +
+                        std::to_string(static_cast<int>(loss * 100)) + " %",
+                .value = mean_s.back(),
+                .unit = "s"});
+  }
+  report.add({.name = "the same, above loss-free",
+              .value = mean_s.back() - mean_s.front(),
+              .unit = "s",
+              .goal = 0.15});
+}
+
 Options parse(int argc, char** argv) {
   Options options;
   for (int i = 1; i + 1 < argc; i += 2) {
@@ -211,6 +254,7 @@ Options parse(int argc, char** argv) {
     if (name == "--seeds") options.seeds = std::atoi(argv[i + 1]);
     if (name == "--outage") options.outage_s = std::atoi(argv[i + 1]);
     if (name == "--trials") options.trials = std::atoi(argv[i + 1]);
+    if (name == "--only") options.only = argv[i + 1];
   }
   return options;
 }
@@ -220,11 +264,17 @@ Options parse(int argc, char** argv) {
 int main(int argc, char** argv) {
   const Options options = parse(argc, argv);
   Report report("link");
-  measure_stops(options, report);
-  measure_outage(options, report);
-  measure_first_contact(options, report);
-  measure_standing(report);
-  measure_mapping(report);
+  const auto part = [&](const char* name, const auto& measure) {
+    if (options.only.empty() || options.only == name) measure();
+  };
+  part("stops", [&] { measure_stops(options, report); });
+  part("outage", [&] { measure_outage(options, report); });
+  part("staleness", [&] { measure_staleness(report); });
+  part("convergence", [&] { cairn::bench::measure_convergence(report); });
+  part("contact", [&] { measure_first_contact(options, report); });
+  part("standing", [&] { measure_standing(report); });
+  part("mapping", [&] { measure_mapping(report); });
+  part("patrol", [&] { measure_patrol(report); });
   report.print(std::cout);
   return 0;
 }

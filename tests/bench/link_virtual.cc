@@ -137,4 +137,27 @@ VirtualLink::Recovery VirtualLink::outage(Duration length, int changes) {
   return {to_seconds(now_ - back), offered_bytes() - before};
 }
 
+double VirtualLink::mean_staleness_s(Duration length) {
+  constexpr CellIndex kCell{3, 3};
+  const MonotonicTime end = now_ + length;
+  std::vector<MonotonicTime> written;
+  std::uint32_t sequence = 0;
+  double sum_s = 0.0;
+  int samples = 0;
+  for (int value = 1; now_ < end; ++value) {
+    written.push_back(now_);
+    proto::EvidenceSender& evidence = robot_.evidence();
+    if (evidence.open_submap() == nullptr) sequence = evidence.begin(0xB007, {}, 125).id.sequence;
+    (void)evidence.open_submap()->surface.set(kCell, {value, 200});
+    evidence.touch(EvidenceLayer::surface, {kCell});
+    run(milliseconds(100));
+    const auto held = server_.store.find(sequence);
+    const int there = held == server_.store.end() ? 0 : held->second.surface.cell(kCell).height_mm;
+    if (there == 0) continue;
+    sum_s += to_seconds(now_ - written[static_cast<std::size_t>(there - 1)]);
+    ++samples;
+  }
+  return samples == 0 ? -1.0 : sum_s / samples;
+}
+
 }  // namespace cairn::bench

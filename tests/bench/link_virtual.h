@@ -36,6 +36,9 @@ class VirtualLink {
   /// link's return until the server holds everything.
   Recovery outage(Duration length, int changes);
 
+  /// A cell changes ten times a second: how old the server's value is, on the average.
+  [[nodiscard]] double mean_staleness_s(Duration length);
+
   [[nodiscard]] std::uint64_t offered_bytes() const;
   [[nodiscard]] bool synchronised() const { return robot_.evidence().synchronised(); }
   [[nodiscard]] proto::EvidenceSender& evidence() { return robot_.evidence(); }

@@ -13,7 +13,7 @@ class RandomRecords {
   explicit RandomRecords(std::uint64_t seed) : random_(seed) {}
 
   Record any() {
-    switch (between<int>(0, 19)) {
+    switch (between<int>(0, 20)) {
       case 0:
         return Hello{name(), name(), whole<std::uint64_t>(), between<std::uint16_t>(10, 2000),
                      whole<std::uint64_t>()};
@@ -56,9 +56,25 @@ class RandomRecords {
                                coordinate(), half_width(),           pick<CorridorWish>(1, 2)};
       case 18:
         return corridor();
+      case 19:
+        return digest();
       default:
         return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
     }
+  }
+
+  MapDigest digest() {
+    constexpr std::int32_t kMost = kMaxTileCoordinate / kRegionTiles;
+    MapDigest digest{percent(50),
+                     whole<std::uint32_t>(),
+                     whole<std::int8_t>(),
+                     between<std::int32_t>(-kMost, kMost),
+                     between<std::int32_t>(-kMost, kMost),
+                     {}};
+    for (std::uint8_t place = 0; place < kRegionTiles * kRegionTiles; ++place) {
+      if (percent(50)) digest.tiles.push_back({place, whole<std::uint32_t>()});
+    }
+    return digest;
   }
 
   BlockUpdate block() {

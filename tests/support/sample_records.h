@@ -80,6 +80,7 @@ inline std::vector<Sample> sample_records() {
   return {
       {"hello", up, Hello{"rover-1", "quarry", 0x1122334455667788, 125, 1'000}},
       {"pose_report", up, sample_pose()},
+      {"map_digest", up, MapDigest{true, 7, 0, -1, 2, {{3, 0xA1B2C3D4}, {12, 5}}}},
       {"spool_report", up, SpoolReport{true, 12, 3'456'789, 5, 2}},
       {"submap_head", up, head},
       {"submap_head_earlier", up, earlier},

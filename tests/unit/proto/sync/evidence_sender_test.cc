@@ -54,7 +54,8 @@ class EvidenceSenderTest : public ::testing::Test {
 
 TEST_F(EvidenceSenderTest, ANewSubmapIsItsHeadThenItsBlocks) {
   sender.begin(7, {1, 2, 3, 4}, 125);
-  EXPECT_TRUE(sender.has_news());
+  EXPECT_FALSE(sender.has_news());
+  EXPECT_TRUE(sender.synchronised());
   see({0, 0});
   see({20, 0});
   const auto records = fill(1);
@@ -70,6 +71,32 @@ TEST_F(EvidenceSenderTest, ANewSubmapIsItsHeadThenItsBlocks) {
   sender.on_acked(1);
   EXPECT_TRUE(sender.synchronised());
   EXPECT_EQ(sender.backlog_blocks(), 0U);
+}
+
+TEST_F(EvidenceSenderTest, ASubmapOfWhichNothingWasToldNeverWas) {
+  sender.begin(7, {}, 125);
+  EXPECT_TRUE(fill(1).empty());
+  sender.discard();
+  EXPECT_EQ(sender.open_submap(), nullptr);
+  EXPECT_EQ(sender.submaps(), 0U);
+  EXPECT_EQ(sender.begin(7, {}, 125).id.sequence, 1U);
+}
+
+TEST_F(EvidenceSenderTest, SaysUpToWhichSubmapAllIsHeld) {
+  EXPECT_EQ(sender.held_up_to(), 0U);
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  sender.close();
+  sender.begin(7, {}, 125);
+  see({0, 0});
+  EXPECT_EQ(sender.held_up_to(), 0U);
+  (void)fill(1);
+  sender.on_acked(1);
+  EXPECT_EQ(sender.held_up_to(), 1U);
+  sender.close();
+  (void)fill(2);
+  sender.on_acked(2);
+  EXPECT_EQ(sender.held_up_to(), 2U);
 }
 
 TEST_F(EvidenceSenderTest, IntermediateStatesAreSkipped) {

@@ -11,6 +11,7 @@
 #include "robot_agent/input/simulator.h"
 #include "robot_agent/pipeline/mapper.h"
 #include "robot_agent/pipeline/submap_frame.h"
+#include "tests/support/evidence_frames.h"
 
 /// The map maker in the simulator's worlds, with the instruments' and lasers' noise.
 namespace cairn::agent {
@@ -209,6 +210,24 @@ TEST(MapperDrive, MapsFarFewerFalseStepsWhereItsMapKnowsTheKerbs) {
   alone.along(over_both);
   const int steps = false_steps(drive.mapper(), map);
   EXPECT_LT(2 * steps, false_steps(alone.mapper(), map)) << steps;
+}
+
+TEST(MapperDrive, TellsLittleOfARoomThatItWasGiven) {
+  const auto told = [](Drive& drive) {
+    drive.along(kLap);
+    drive.mapper().finish();
+    int cells = 0;
+    for (const auto& [sequence, submap] : proto::testing::delivered(drive.evidence(), 125)) {
+      for (const auto& [key, tile] : submap.surface.tiles()) cells += tile->known_count();
+      for (const auto& [key, tile] : submap.seen_through.tiles()) cells += tile->known_count();
+    }
+    return cells;
+  };
+  const HeightMap room = map_of_room(6);
+  Drive alone("room", 6, {});
+  Drive given("room", 6, {}, &room);
+  EXPECT_LT(told(given), told(alone) / 2);
+  EXPECT_LT(given.error_m(), 0.06);
 }
 
 TEST(MapperDrive, IsLostAndWritesNothingUntilItHasFoundItselfInTheMap) {

@@ -3,101 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/evidence_frames.h"
-#include "tests/unit/robot_agent/pipeline/scene.h"
+#include "tests/unit/robot_agent/pipeline/mapping_robot.h"
 
 namespace cairn::agent {
 namespace {
 
+using namespace testing;  // NOLINT: the robot and its world
 using proto::testing::delivered;
-using std::chrono::milliseconds;
-using testing::box;
-using testing::Scene;
-
-constexpr std::uint64_t kBoot = 77;
-constexpr double kSpeed_m_s = 0.5;
-constexpr Duration kPeriod = milliseconds(50);
-
-/// The ATRV-Jr with perfect instruments in a scene.
-class MappingRobot {
- public:
-  explicit MappingRobot(MapperConfig config = {}, Pose start = {},
-                        std::vector<LaserSpec> lasers = atrv_jr_lasers())
-      : scene{.boxes = {}, .ground_m = start.z_m},
-        lasers_(std::move(lasers)),
-        mapper(config, lasers_, start, kBoot, evidence) {
-    reading_.odometer_yaw_rad = start.yaw_rad;
-    mapper.take_motion(reading_);
-  }
-
-  Scene scene;
-
- private:
-  std::vector<LaserSpec> lasers_;
-  MotionReading reading_;
-
- public:
-  proto::EvidenceSender evidence;
-  Mapper mapper;
-
-  void look() {
-    for (std::size_t i = 0; i < lasers_.size(); ++i) {
-      mapper.take_scan(scene.scan(lasers_[i], i, mapper.pose(), reading_.stamp));
-    }
-  }
-  void forward(double way_m) {
-    const int steps = static_cast<int>(std::lround(way_m / (kSpeed_m_s * to_seconds(kPeriod))));
-    for (int i = 0; i < steps; ++i) move(kSpeed_m_s, 0.0, i % 4 == 3);
-  }
-  void roll_blindly(double way_m) {
-    const int steps = static_cast<int>(std::lround(way_m / (kSpeed_m_s * to_seconds(kPeriod))));
-    for (int i = 0; i < steps; ++i) move(kSpeed_m_s, 0.0, false);
-  }
-  void stand(int readings) {
-    for (int i = 0; i < readings; ++i) move(0.0, 0.0, false);
-  }
-  void turn(double angle_rad) {
-    const double rate = angle_rad < 0.0 ? -0.5 : 0.5;
-    const int steps = static_cast<int>(std::lround(angle_rad / (rate * to_seconds(kPeriod))));
-    for (int i = 0; i < steps; ++i) move(0.0, rate, i % 4 == 3);
-    move(0.0, 0.0, true);
-  }
-
-  /// The cell at a place.
-  [[nodiscard]] Cell at(double x_m, double y_m) const {
-    const double cell_m = mapper.cell_size_mm() / 1000.0;
-    return mapper.cell({static_cast<std::int32_t>(std::floor(x_m / cell_m)),
-                        static_cast<std::int32_t>(std::floor(y_m / cell_m))});
-  }
-
- private:
-  void move(double speed_m_s, double turn_rad_s, bool look_too) {
-    const double way_m = speed_m_s * to_seconds(kPeriod);
-    reading_.stamp += kPeriod;
-    reading_.odometer_x_m += way_m * std::cos(reading_.odometer_yaw_rad);
-    reading_.odometer_y_m += way_m * std::sin(reading_.odometer_yaw_rad);
-    reading_.odometer_yaw_rad =
-        wrap_angle(reading_.odometer_yaw_rad + turn_rad_s * to_seconds(kPeriod));
-    reading_.gyro_yaw_rate_rad_s = turn_rad_s;
-    mapper.take_motion(reading_);
-    if (look_too) look();
-  }
-};
 
 /// A blind robot: only its wheels know the ground.
 std::vector<LaserSpec> no_lasers() { return {}; }
-
-MapperConfig short_submaps() {
-  MapperConfig config;
-  config.submap_distance_m = 0.4;
-  return config;
-}
-
-HeightMap fold_of(const std::map<std::uint32_t, Submap>& submaps) {
-  HeightMap site(125);
-  for (const auto& [sequence, submap] : submaps) (void)fold(site, submap, SensorModel{});
-  return site;
-}
 
 // ---- Heights ------------------------------------------------------------------------------------
 

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/map/cell.h"
+#include "core/map/fold_rules.h"
+
+namespace cairn::agent {
+
+/// What of evidence on known ground is worth telling (design §5.5).
+struct NewsConfig {
+  /// [1/255] A surface believed as much as this is sure: more hits are no news.
+  std::uint8_t sure = 243;
+  /// [nat] Of log odds: less doubt than this, or more belief below `sure`, is no news. Six beams
+  /// that passed below: at the edges of things some do, now and then.
+  double doubt = 2.5;
+  /// [1/255] A surface where none was known, or a lower one, is news from so much belief on: two
+  /// hits.
+  std::uint8_t stands = 200;
+  /// [mm] A surface that would come to lie this much higher or lower is news.
+  int height_mm = 20;
+  /// [s] What is no change of the world, only known better, may wait as long.
+  double patience_s = 5.0;
+};
+
+/// Tells news from confirmation, cell by cell.
+class News {
+ public:
+  /// Requires: a sound model.
+  News(const NewsConfig& config, const SensorModel& model);
+
+  enum class Worth : std::uint8_t {
+    nothing,  ///< It agrees with the map.
+    little,   ///< Known better, or for the first time.
+    much,     ///< Something stands where nothing stood, or is gone.
+  };
+  /// What this evidence would make of a cell of the long-term map, once folded in.
+  [[nodiscard]] Worth worth(const Cell& known, const Cell& seen_through, const Cell& surface) const;
+
+ private:
+  NewsConfig config_;
+  int tolerance_mm_;
+  FoldRules rules_;
+  std::array<double, 256> belief_{};  ///< [nat] Log odds up to `sure`.
+};
+
+}  // namespace cairn::agent
