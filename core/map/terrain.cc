@@ -73,10 +73,12 @@ void judge_strip(TerrainBlock strip, const TerrainKernels& kernels, TerrainScrat
 
 void judge_terrain(const HeightGrid& grid, const TerrainRules& rules, const TerrainAnswers& answers,
                    const TerrainKernels& kernels) {
+  const bool tall = rules.limit_mm > TerrainRules::kHighest16BitLimitMm;
+  const TerrainKernels& suited = tall ? portable_terrain_kernels() : kernels;
   TerrainScratch scratch;
   for (int x = 0; x < grid.width; x += TerrainBlock::kMostWidth) {
     const int width = std::min(TerrainBlock::kMostWidth, grid.width - x);
-    judge_strip({grid, rules, answers, x, 0, width, grid.height}, kernels, scratch);
+    judge_strip({grid, rules, answers, x, 0, width, grid.height}, suited, scratch);
   }
 }
 

@@ -12,15 +12,16 @@ namespace cairn {
 namespace portable_terrain {
 namespace {
 
-/// Plain C++, eight cells at a time, in 32 bits: heights as they are. What the others work out in
-/// 16 bits is cut off as theirs.
+/// Four cells at a time by the compiler's own vectors, which every processor has, in 32 bits:
+/// heights as they are. What the others work out in 16 bits is cut off as theirs.
 struct Lanes {
-  static constexpr int kWidth = 8;
+  static constexpr int kWidth = 4;
   using Height = std::int32_t;
-  static constexpr Height kNone = 1 << 30;  ///< A difference from it is 32 bits, too.
-  struct V {
-    std::int32_t lane[kWidth];
-  };
+  /// [mm] Beyond what is stored. What is unknown is higher than that by more than any limit.
+  static constexpr Height kHighest = (1 << 29) - 1;
+  static constexpr Height kNone = 1 << 30;
+  static_assert(kNone - kHighest > TerrainRules::kHighestLimitMm);
+  using V [[gnu::vector_size(16)]] = std::int32_t;
   using Mask = V;  ///< All ones in a lane, or 0.
 
   class Reader {
@@ -29,7 +30,7 @@ struct Lanes {
 
     void read(std::size_t at, int cells, Height* to) {
       for (int x = 0; x < cells; ++x, ++at) {
-        const std::int32_t height_mm = std::clamp(grid_.height_mm[at], 1 - kNone, kNone - 1);
+        const std::int32_t height_mm = std::clamp(grid_.height_mm[at], -kHighest, kHighest);
         to[x] = grid_.probability[at] != 0 ? height_mm : kNone;
       }
     }
@@ -40,80 +41,45 @@ struct Lanes {
     const HeightGrid& grid_;
   };
 
-  template <class Make>
-  static V each(const Make& make) {
+  static V all(std::int32_t value) { return V{value, value, value, value}; }
+  static V load(const Height* p) {
     V v;
-    for (int i = 0; i < kWidth; ++i) v.lane[i] = make(i);
+    std::memcpy(&v, p, sizeof v);
     return v;
   }
-  static std::int32_t cut(std::int32_t value) { return std::min(std::max(value, -32768), 32767); }
-  static V all(std::int32_t value) {
-    return each([=](int) { return value; });
+  static void store(Height* p, V v) { std::memcpy(p, &v, sizeof v); }
+  static V load_bytes(const std::uint8_t* p) { return V{p[0], p[1], p[2], p[3]}; }
+  static void store_bytes(std::uint8_t* p, V v) {
+    for (int i = 0; i < kWidth; ++i) p[i] = static_cast<std::uint8_t>(v[i]);
   }
-  static V load(const Height* p) {
-    return each([=](int i) { return p[i]; });
-  }
-  static void store(Height* p, const V& v) { std::copy_n(v.lane, kWidth, p); }
-  static V load_bytes(const std::uint8_t* p) {
-    return each([=](int i) { return p[i]; });
-  }
-  static void store_bytes(std::uint8_t* p, const V& v) {
-    for (int i = 0; i < kWidth; ++i) p[i] = static_cast<std::uint8_t>(v.lane[i]);
-  }
-  static V add(const V& a, const V& b) {
-    return each([&](int i) { return cut(a.lane[i] + b.lane[i]); });
-  }
-  static V sub(const V& a, const V& b) {
-    return each([&](int i) { return cut(a.lane[i] - b.lane[i]); });
-  }
-  static V min(const V& a, const V& b) {
-    return each([&](int i) { return std::min(a.lane[i], b.lane[i]); });
-  }
-  static V max(const V& a, const V& b) {
-    return each([&](int i) { return std::max(a.lane[i], b.lane[i]); });
-  }
-  static V abs(const V& a) {
-    return each([&](int i) { return std::min(std::abs(a.lane[i]), 32767); });
-  }
-  static V quarter(const V& a) {
-    return each([&](int i) { return a.lane[i] >> 2; });
-  }
-  static V shift(const V& a, int by) {
-    return each([&](int i) { return a.lane[i] * (1 << by); });
-  }
+  static V cut(V a) { return min(max(a, all(-32768)), all(32767)); }
+  static V add(V a, V b) { return cut(a + b); }
+  static V fall(V a, V b) { return a - b; }
+  static V sub(V a, V b) { return cut(a - b); }
+  static V min(V a, V b) { return select(greater(b, a), a, b); }
+  static V max(V a, V b) { return select(greater(a, b), a, b); }
+  static V abs(V a) { return min(max(a, -a), all(32767)); }
+  static V quarter(V a) { return a >> 2; }
+  static V shift(V a, int by) { return a * all(1 << by); }
   /// a · b · 2^-15, rounded.
-  static V scaled(const V& a, const V& b) {
-    return each([&](int i) { return (a.lane[i] * b.lane[i] + 0x4000) >> 15; });
+  static V scaled(V a, V b) { return (a * b + all(0x4000)) >> 15; }
+  static Mask greater(V a, V b) { return a > b; }
+  static Mask equal(V a, V b) { return a == b; }
+  static Mask nowhere() { return all(0); }
+  static Mask either(Mask a, Mask b) { return a | b; }
+  static Mask both(Mask a, Mask b) { return a & b; }
+  static Mask but_not(Mask a, Mask b) { return a & ~b; }
+  static bool any(Mask a) { return bits(a) != 0; }
+  static std::uint32_t bits(Mask a) {
+    const V bit_of_each = a & V{1, 2, 4, 8};
+    return static_cast<std::uint32_t>(bit_of_each[0] | bit_of_each[1] | bit_of_each[2] |
+                                      bit_of_each[3]);
   }
-  static Mask greater(const V& a, const V& b) {
-    return each([&](int i) { return a.lane[i] > b.lane[i] ? -1 : 0; });
+  static V select(Mask where, V there, V elsewhere) {
+    return (there & where) | (elsewhere & ~where);
   }
-  static Mask equal(const V& a, const V& b) {
-    return each([&](int i) { return a.lane[i] == b.lane[i] ? -1 : 0; });
-  }
-  static Mask both(const Mask& a, const Mask& b) {
-    return each([&](int i) { return a.lane[i] & b.lane[i]; });
-  }
-  static Mask but_not(const Mask& a, const Mask& b) {
-    return each([&](int i) { return a.lane[i] & ~b.lane[i]; });
-  }
-  static bool any(const Mask& a) {
-    std::int32_t all_of = 0;
-    for (const std::int32_t lane : a.lane) all_of |= lane;
-    return all_of != 0;
-  }
-  static std::uint32_t bits(const Mask& a) {
-    std::uint32_t bits = 0;
-    for (int i = 0; i < kWidth; ++i) bits |= static_cast<std::uint32_t>(a.lane[i] & 1) << i;
-    return bits;
-  }
-  static V select(const Mask& where, const V& there, const V& elsewhere) {
-    return each([&](int i) {
-      return (there.lane[i] & where.lane[i]) | (elsewhere.lane[i] & ~where.lane[i]);
-    });
-  }
-  static void prefetch(const void*) {}
-  static V unless(const Mask& where, const V& v) { return but_not(v, where); }
+  static V unless(Mask where, V v) { return v & ~where; }
+  static void prefetch(const void* p) { __builtin_prefetch(p); }
   static void stream(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) {
     std::memcpy(to, from, bytes);
   }

@@ -11,9 +11,9 @@ struct SoftLimits;
 
 /// What cells are judged by, as the kernels want it: whole numbers of 16 bits.
 struct TerrainRules {
-  /// Steps and falls are judged up to here: a higher limit counts as this one, and whatever is
-  /// beyond 32.767 m as that. Heights that lie farther apart within a block are judged in 32 bits.
-  static constexpr std::int32_t kHighestLimitMm = 16383;
+  static constexpr std::int32_t kHighestLimitMm = 1 << 29;
+  /// Higher limits are for 32 bits; so are heights that lie farther apart than 32 m.
+  static constexpr std::int32_t kHighest16BitLimitMm = 16383;
 
   std::int32_t limit_mm = 0;  ///< 0 … kHighestLimitMm.
   int reach = 1;              ///< [cells] Half a wheel base, 1 … 64.

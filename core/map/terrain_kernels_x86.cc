@@ -21,7 +21,7 @@ namespace {
 /// from what is unknown are beyond every limit.
 constexpr std::int32_t kSpanMm = 16000;
 constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::max();
-static_assert(kUnknown - kSpanMm > TerrainRules::kHighestLimitMm);
+static_assert(kUnknown - kSpanMm > TerrainRules::kHighest16BitLimitMm);
 
 /// The level that a block's heights are told from, and whether they all are near it.
 struct BlockLevel {
@@ -115,6 +115,7 @@ struct Lanes {
     _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(packed));
   }
   static V add(V a, V b) { return _mm256_adds_epi16(a, b); }
+  static V fall(V a, V b) { return sub(a, b); }
   static V sub(V a, V b) { return _mm256_subs_epi16(a, b); }
   static V min(V a, V b) { return _mm256_min_epi16(a, b); }
   static V max(V a, V b) { return _mm256_max_epi16(a, b); }
@@ -124,6 +125,8 @@ struct Lanes {
   static V scaled(V a, V b) { return _mm256_mulhrs_epi16(a, b); }
   static Mask greater(V a, V b) { return _mm256_cmpgt_epi16(a, b); }
   static Mask equal(V a, V b) { return _mm256_cmpeq_epi16(a, b); }
+  static Mask nowhere() { return _mm256_setzero_si256(); }
+  static Mask either(Mask a, Mask b) { return _mm256_or_si256(a, b); }
   static Mask both(Mask a, Mask b) { return _mm256_and_si256(a, b); }
   static Mask but_not(Mask a, Mask b) { return _mm256_andnot_si256(b, a); }
   static bool any(Mask a) { return _mm256_testz_si256(a, a) == 0; }
@@ -134,16 +137,15 @@ struct Lanes {
   static V select(Mask where, V there, V elsewhere) {
     return _mm256_blendv_epi8(elsewhere, there, where);
   }
-  static void prefetch(const void* p) {
-    _mm_prefetch(static_cast<const char*>(p), _MM_HINT_T0);
-  }
+  static void prefetch(const void* p) { _mm_prefetch(static_cast<const char*>(p), _MM_HINT_T0); }
   static V unless(Mask where, V v) { return _mm256_andnot_si256(where, v); }
   /// Past the caches, but for what does not fill a vector.
   static void stream(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) {
     std::size_t i = std::min(bytes, -reinterpret_cast<std::uintptr_t>(to) % 32);
     std::memcpy(to, from, i);
     for (; i + 32 <= bytes; i += 32) {
-      _mm256_stream_si256(reinterpret_cast<__m256i*>(to + i), _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i)));
+      _mm256_stream_si256(reinterpret_cast<__m256i*>(to + i),
+                          _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i)));
     }
     std::memcpy(to + i, from + i, bytes - i);
   }
@@ -212,6 +214,7 @@ struct Lanes {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm512_cvtepi16_epi8(v));
   }
   static V add(V a, V b) { return _mm512_adds_epi16(a, b); }
+  static V fall(V a, V b) { return sub(a, b); }
   static V sub(V a, V b) { return _mm512_subs_epi16(a, b); }
   static V min(V a, V b) { return _mm512_min_epi16(a, b); }
   static V max(V a, V b) { return _mm512_max_epi16(a, b); }
@@ -221,6 +224,8 @@ struct Lanes {
   static V scaled(V a, V b) { return _mm512_mulhrs_epi16(a, b); }
   static Mask greater(V a, V b) { return _mm512_cmpgt_epi16_mask(a, b); }
   static Mask equal(V a, V b) { return _mm512_cmpeq_epi16_mask(a, b); }
+  static Mask nowhere() { return 0; }
+  static Mask either(Mask a, Mask b) { return a | b; }
   static Mask both(Mask a, Mask b) { return a & b; }
   static Mask but_not(Mask a, Mask b) { return a & ~b; }
   static bool any(Mask a) { return a != 0; }
@@ -228,9 +233,7 @@ struct Lanes {
   static V select(Mask where, V there, V elsewhere) {
     return _mm512_mask_mov_epi16(elsewhere, where, there);
   }
-  static void prefetch(const void* p) {
-    _mm_prefetch(static_cast<const char*>(p), _MM_HINT_T0);
-  }
+  static void prefetch(const void* p) { _mm_prefetch(static_cast<const char*>(p), _MM_HINT_T0); }
   static V unless(Mask where, V v) { return _mm512_maskz_mov_epi16(~where, v); }
   /// Past the caches, but for what does not fill a vector.
   static void stream(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) {

@@ -57,8 +57,7 @@ inline constexpr int kSplitStepReach = 3;
 /// Converts heights to free / obstacle / unknown (T4.3.1): a known cell that stands above one of
 /// its eight known neighbours by more than the vehicle can both climb and descend is an obstacle;
 /// only the -z difference counts, so a cliff is marked at its top. Steps that the vehicle manages
-/// one way only stay free here: the planner forbids the other way. Limits above 16.383 m count as
-/// that.
+/// one way only stay free here: the planner forbids the other way.
 /// So are steps that the grid has cut in two: where the ground falls by more than the limit over
 /// two cells, along any of eight directions, and is level above and below that, the upper cell is
 /// an obstacle, and the one between when more than a quarter of the step lies below it. Slopes go
