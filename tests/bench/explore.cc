@@ -79,6 +79,7 @@ class Explorer {
       done_.places_m.emplace_back(truth.x_m, truth.y_m);
       return !server::still_a_frontier(known, wish(), place_m);
     });
+    std::fprintf(stderr,"leg %d to (%.2f %.2f) from (%.2f %.2f): %s %s drove %.1f paths %d why %s\n",done_.legs,place_m.x(),place_m.y(),robot_.mapper().pose().x_m,robot_.mapper().pose().y_m,trip.enough?"enough":"",trip.arrived?"arrived":"",trip.driven_m,trip.paths,trip.why.c_str());
     using server::LegEnd;
     const LegEnd how = trip.enough    ? LegEnd::seen
                        : trip.arrived ? LegEnd::reached

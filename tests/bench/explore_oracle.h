@@ -24,9 +24,10 @@ struct OracleDrive {
   std::vector<Eigen::Vector2d> places_m;
 };
 
-/// How far a greedy robot drives that knows the ground and where it is: always the shortest way to
-/// the nearest reachable cell that it has not seen, with the real robot's lasers, free of noise,
-/// until it has seen `share` of all that can be reached.
+/// How far a greedy robot drives that knows the ground and where it is: on the shortest way to the
+/// place with the most that can be reached and is yet unseen within 2.5 m, for the way there, as
+/// frontiers are ranked; with the real robot's lasers, free of noise, until it has seen `share` of
+/// all that can be reached.
 [[nodiscard]] OracleDrive drive_greedily(const agent::World& world, const DrivableGrid& ground,
                                          double share);
 
