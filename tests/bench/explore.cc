@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robot_agent/input/simulator.h"
@@ -79,7 +80,6 @@ class Explorer {
       done_.places_m.emplace_back(truth.x_m, truth.y_m);
       return !server::still_a_frontier(known, wish(), place_m);
     });
-    std::fprintf(stderr,"leg %d to (%.2f %.2f) from (%.2f %.2f): %s %s drove %.1f paths %d why %s\n",done_.legs,place_m.x(),place_m.y(),robot_.mapper().pose().x_m,robot_.mapper().pose().y_m,trip.enough?"enough":"",trip.arrived?"arrived":"",trip.driven_m,trip.paths,trip.why.c_str());
     using server::LegEnd;
     const LegEnd how = trip.enough    ? LegEnd::seen
                        : trip.arrived ? LegEnd::reached
