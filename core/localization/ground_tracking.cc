@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace cairn {
@@ -168,9 +169,21 @@ std::optional<Unevenness> GroundTracking::lay(const Scan& scan, const LaserSpec&
       config_.min_share * static_cast<double>(hits.size())) {
     return std::nullopt;
   }
+  if (!confirmed(error[0])) {
+    in_doubt_ = true;
+    return std::nullopt;
+  }
   restart(std::sqrt(covariance(0, 0)));
   return Unevenness{error[0], error[1], error[2],
                     std::sqrt(std::max(covariance(1, 1), covariance(2, 2)))};
+}
+
+bool GroundTracking::confirmed(double step_m) {
+  const auto asked_m = std::exchange(sudden_step_m_, std::nullopt);
+  if (std::abs(step_m) <= config_.sudden_m) return true;
+  if (asked_m && std::abs(*asked_m - step_m) < kAgrees * config_.hit_sigma_m) return true;
+  sudden_step_m_ = step_m;
+  return false;
 }
 
 }  // namespace cairn

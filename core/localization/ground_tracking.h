@@ -33,6 +33,9 @@ struct GroundTrackingConfig {
   /// registration's work.
   double least_sigma_m = 0.005;
   double most_sigma_m = 0.15;
+  /// [m] A step in height by more than this must be asked for by two sweeps in a row: one alone may
+  /// have met the side of something flat.
+  double sudden_m = 0.1;
 };
 
 /// What is wrong with the height and the incline of a robot's pose.
@@ -70,9 +73,12 @@ class GroundTracking {
   [[nodiscard]] bool in_doubt() const { return in_doubt_; }
 
  private:
+  [[nodiscard]] bool confirmed(double step_m);
+
   GroundTrackingConfig config_;
   double z_sigma_m_;
   bool in_doubt_ = false;
+  std::optional<double> sudden_step_m_;  ///< What the last sweep asked for and did not get.
 };
 
 }  // namespace cairn
