@@ -27,6 +27,8 @@ constexpr int kMaxBackups = 6;
 constexpr double kTurnsToLookAround = 3.0;
 /// [m] A path that begins further away was made for somewhere else.
 constexpr double kMaxOffPathM = 1.5;
+/// [m] So far it backs out from what holds it.
+constexpr double kLeaveHeldM = 0.3;
 /// [m] Further than it drives before it stands.
 constexpr double kRoomM = 1.5;
 /// While it turns at the end of its path it may be this many times as far off as when it came.
@@ -73,6 +75,7 @@ void Driver::take_goal(const proto::RobotLink::Order& order, const Pose& pose,
     backing_from_m_.reset();
     escapes_ = 0;
     escape_.reset();
+    held_at_m_.reset();
   }
   command_ = order.command;
   if (to_ms(clock) >= command_.expires_clock_ms) {
@@ -140,9 +143,18 @@ DriveCommand Driver::step(const Pose& pose, const CellLookup& cells, int cell_si
                           std::uint8_t min_probability, MonotonicTime clock,
                           std::optional<Duration> silence) {
   track_.add({pose.x_m, pose.y_m});
-  if (!busy() || reason_to_end(pose, clock, silence)) return {};
-  if (localization_ == LocalizationState::lost) return look_around(pose);
-  return follow(pose, {cells, cell_size_mm, min_probability}, clock, silence);
+  if (!busy() || reason_to_end(pose, clock, silence)) return told_ = {};
+  if (localization_ == LocalizationState::lost) return told_ = look_around(pose);
+  mind_stall(pose, clock);
+  return told_ = follow(pose, {cells, cell_size_mm, min_probability}, clock, silence);
+}
+
+void Driver::mind_stall(const Pose& pose, MonotonicTime clock) {
+  if (!stall_.step(pose, told_, clock) || escapes_ >= config_.most_escapes) return;
+  ++escapes_;
+  held_at_m_ = Eigen::Vector2d(pose.x_m, pose.y_m);
+  escape_.emplace(config_.follower, track_, *held_at_m_, config_.backing_speed_m_s);
+  report(CommandState::blocked, "something holds it that it does not see: it backs out");
 }
 
 void Driver::set_localization(LocalizationState state, const std::string& why) {
@@ -277,12 +289,19 @@ bool Driver::escape(const Pose& pose, const OwnMap& map) {
 
 std::optional<DriveCommand> Driver::go_on_escaping(const Pose& pose, const OwnMap& map) {
   if (!escape_) return std::nullopt;
-  if (!room_around(pose, map).open_at({pose.x_m, pose.y_m})) {
+  if (must_back_out(pose, map)) {
     // Where it has just driven nothing is in the way, whatever the map says of the ground there.
     if (const auto back = escape_->step(pose)) return back;
   }
   escape_.reset();
+  held_at_m_.reset();
   return std::nullopt;
+}
+
+bool Driver::must_back_out(const Pose& pose, const OwnMap& map) const {
+  const Eigen::Vector2d place_m(pose.x_m, pose.y_m);
+  const bool held = held_at_m_ && (place_m - *held_at_m_).norm() < kLeaveHeldM;
+  return held || !room_around(pose, map).open_at(place_m);
 }
 
 double Driver::speed_limit_m_s(const Ahead& ahead) const {

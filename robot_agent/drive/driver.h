@@ -16,6 +16,7 @@
 #include "robot_agent/drive/footprint.h"
 #include "robot_agent/drive/local_view.h"
 #include "robot_agent/drive/path_follower.h"
+#include "robot_agent/drive/stall.h"
 #include "robot_agent/drive/track.h"
 
 namespace cairn::agent {
@@ -62,8 +63,9 @@ struct DriverConfig {
 /// the server is heard again) and when the robot tilts. Where the way is closed for more than a
 /// moment it goes around, on its own map: it picks up the order's field where that leads, or else
 /// its path; where it finds no way around it waits for the server's next path; closed in, it backs
-/// out along its track. Whatever it follows, its footprint gets over no obstacle of its map. A
-/// robot that is not sure where it is drives slowly; a lost one does not drive, it looks around.
+/// out along its track, and so it does where something holds it that it does not see. Whatever it
+/// follows, its footprint gets over no obstacle of its map. A robot that is not sure where it is
+/// drives slowly; a lost one does not drive, it looks around.
 class Driver {
  public:
   explicit Driver(const DriverConfig& config) : config_(config) {}
@@ -108,6 +110,9 @@ class Driver {
   bool mind_link(const Pose& pose, Duration silence);
   [[nodiscard]] std::optional<std::string> reason_to_end(const Pose& pose, MonotonicTime clock,
                                                          std::optional<Duration> silence);
+  /// Does not get on though it is told to: backs out, whatever its map says.
+  void mind_stall(const Pose& pose, MonotonicTime clock);
+  [[nodiscard]] bool must_back_out(const Pose& pose, const OwnMap& map) const;
   DriveCommand follow(const Pose& pose, const OwnMap& map, MonotonicTime clock,
                       std::optional<Duration> silence);
   /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it must go around
@@ -160,9 +165,12 @@ class Driver {
   double backing_m_ = 0.0;                         ///< How far it wants to.
   LocalizationState localization_ = LocalizationState::localized;
   std::string localization_why_;
-  std::optional<double> last_yaw_rad_;         ///< While looking around.
-  double looked_around_rad_ = 0.0;             ///< Since the robot was lost.
-  std::optional<Escape> escape_;               ///< While it backs out.
+  std::optional<double> last_yaw_rad_;  ///< While looking around.
+  double looked_around_rad_ = 0.0;      ///< Since the robot was lost.
+  std::optional<Escape> escape_;        ///< While it backs out.
+  Stall stall_;
+  DriveCommand told_;                          ///< What the wheels were told last.
+  std::optional<Eigen::Vector2d> held_at_m_;   ///< While it backs out from where it was held.
   int escapes_ = 0;                            ///< For this command.
   int times_backed_up_ = 0;                    ///< For this command.
   int detours_ = 0;                            ///< From this path.

@@ -280,7 +280,7 @@ void Mission::replanned(const std::string& id, std::uint64_t command, const Plan
   Robot& robot = hub_->robots().at(id);
   if (planned.seen) return leg_ended(robot, goal, LegEnd::seen);
   if (planned.path.status == PathStatus::none) {
-    return give_up(robot, goal, planned.path.why);
+    return give_up(robot, goal, planned.path.why, LegEnd::no_way);
   }
   if (goal.command.revision >= kMaxRevisions) {
     return give_up(robot, goal, fmt::format("{} paths were tried", kMaxRevisions));
@@ -300,12 +300,12 @@ void Mission::cancel(Robot& robot, Goal& goal) {
   hub_->command(robot, cancel, {}, std::chrono::minutes(10));
 }
 
-void Mission::give_up(Robot& robot, Goal& goal, const std::string& why) {
+void Mission::give_up(Robot& robot, Goal& goal, const std::string& why, LegEnd how) {
   cancel(robot, goal);
   goal.state = "stopped";
   goal.why = "no way any more: " + why;
   spdlog::info("robot {}: command {} given up: {}", robot.id, goal.command.id, why);
-  leg_ended(robot, goal, LegEnd::not_reached);
+  leg_ended(robot, goal, how);
 }
 
 void Mission::tick() {

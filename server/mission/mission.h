@@ -141,7 +141,7 @@ class Mission : public std::enable_shared_from_this<Mission> {
   void replanned(const std::string& robot, std::uint64_t command, const Planned& planned);
   void count_blockade(Robot& robot, Goal& goal);
   void cancel(Robot& robot, Goal& goal);
-  void give_up(Robot& robot, Goal& goal, const std::string& why);
+  void give_up(Robot& robot, Goal& goal, const std::string& why, LegEnd how = LegEnd::not_reached);
   void tick();
 
   // What outlives the server (mission_keeping.cc).

@@ -36,6 +36,7 @@ void end_leg(Task& task, LegEnd how, const std::string& why, const Eigen::Vector
     return reach_waypoint(task);
   }
   if (how != LegEnd::seen) task.avoid(goal_m);
+  if (how == LegEnd::no_way) return;  // That is what frontiers are like: nothing failed.
   if (how == LegEnd::not_reached) {
     if (++task.failures >= Task::kMaxFailures) end(task, TaskState::failed, why);
     return;

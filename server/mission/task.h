@@ -57,7 +57,8 @@ struct Task {
 enum class LegEnd : std::uint8_t {
   reached,
   seen,         ///< Exploring: there is nothing new there any more.
-  not_reached,  ///< No way, blocked for good, stopped by the link or the ground.
+  no_way,       ///< Seen from nearer, none leads there.
+  not_reached,  ///< Blocked for good, stopped by the link or the ground.
   out_of_hand,  ///< Refused, lost, superseded: the robot does not do what it is told.
   out_of_time,
 };

@@ -83,6 +83,7 @@ class Explorer {
     using server::LegEnd;
     const LegEnd how = trip.enough    ? LegEnd::seen
                        : trip.arrived ? LegEnd::reached
+                       : trip.no_way  ? LegEnd::no_way
                                       : LegEnd::not_reached;
     server::end_leg(task_, how, trip.why, place_m);
     done_.driven_m += trip.driven_m;

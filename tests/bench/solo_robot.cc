@@ -130,16 +130,17 @@ void SoloRobot::step() {
       mapper_.sensor_model().min_probability, now_, Duration{}));
 }
 
-void SoloRobot::follow_reports(const Eigen::Vector2d& goal_m, Trip& trip) {
+void SoloRobot::follow_reports(const Eigen::Vector2d& goal_m, bool watched, Trip& trip) {
   for (const proto::CommandReport& report : driver_.take_reports()) {
     const bool of_this_trip = report.command == command_;
     if (!of_this_trip || report.state == proto::CommandState::accepted) continue;
     if (report.state == proto::CommandState::blocked) {
       if (trip.paths >= kMostPaths) {
         ended_ = true;
-      } else {
-        (void)send_path(goal_m, trip);  // Without a way now there may be one later.
-      }
+      } else if (!send_path(goal_m, trip) && watched) {
+        trip.no_way = true;
+        give_up(trip);
+      }  // Without a way now there may be one later.
       trip.why = report.why + (trip.why.empty() ? "" : "; " + trip.why);
       continue;
     }
@@ -168,7 +169,9 @@ void SoloRobot::look(const Eigen::Vector2d& goal_m, const Enough& enough, Trip& 
   }
   const Eigen::Vector2d here_m(mapper_.pose().x_m, mapper_.pose().y_m);
   if (server::path_is_open(known, server::rest_of(path_m_, here_m))) return;
-  if (trip.paths >= kMostPaths || !send_path(goal_m, trip)) give_up(trip);
+  if (trip.paths < kMostPaths && send_path(goal_m, trip)) return;
+  trip.no_way = trip.paths < kMostPaths;
+  give_up(trip);
 }
 
 void SoloRobot::wait(Duration time) {
@@ -185,7 +188,7 @@ SoloRobot::Trip SoloRobot::go_to(const Eigen::Vector2d& goal_m, Duration limit,
   Pose last = truth().T_site_robot;
   while (!ended_ && now_ - begun < limit) {
     step();
-    follow_reports(goal_m, trip);
+    follow_reports(goal_m, enough != nullptr, trip);
     if (enough && !ended_ && now_ >= next_look) {
       look(goal_m, enough, trip);
       next_look = now_ + kLookPeriod;

@@ -32,6 +32,7 @@ class SoloRobot {
     double seconds = 0.0;
     int paths = 0;  ///< That were planned for it.
     bool enough = false;
+    bool no_way = false;  ///< Any more, so it was stopped.
   };
   /// Whether the goal has become pointless, by what is known by now.
   using Enough = std::function<bool(const DrivableGrid&)>;
@@ -59,7 +60,7 @@ class SoloRobot {
   void step();
   void look(const Eigen::Vector2d& goal_m, const Enough& enough, Trip& trip);
   void give_up(Trip& trip);
-  void follow_reports(const Eigen::Vector2d& goal_m, Trip& trip);
+  void follow_reports(const Eigen::Vector2d& goal_m, bool watched, Trip& trip);
 
   std::unique_ptr<agent::Input> input_;
   proto::EvidenceSender evidence_;

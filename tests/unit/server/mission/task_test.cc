@@ -118,6 +118,27 @@ TEST(TaskQueue, DropsWhatWaitsBehindAFailure) {
   EXPECT_THAT(queue.newest()->why, HasSubstr("no way; 1 tasks behind it were dropped"));
 }
 
+TEST(EndLeg, FrontiersThatTurnOutToHaveNoWayAreNoFailuresOfExploring) {
+  Task task;
+  task.kind = TaskKind::explore;
+  for (int i = 0; i < 10 * Task::kMaxFailures; ++i) {
+    end_leg(task, LegEnd::no_way, "beside an obstacle", {1.0 * i, 0.0});
+  }
+  EXPECT_EQ(task.state, TaskState::active);
+  EXPECT_EQ(task.avoided_m.size(), 10U * Task::kMaxFailures);
+  for (int i = 0; i < Task::kMaxFailures; ++i) {
+    end_leg(task, LegEnd::not_reached, "blocked", {1.0 * i, 5.0});
+  }
+  EXPECT_EQ(task.state, TaskState::failed);
+}
+
+TEST(EndLeg, NoWayFailsATaskThatWantedToGetThere) {
+  Task task;
+  task.waypoints = {{{1.0, 2.0}, {}}};
+  end_leg(task, LegEnd::no_way, "a wall", {1.0, 2.0});
+  EXPECT_EQ(task.state, TaskState::failed);
+}
+
 TEST(TaskQueue, ANewTaskTakesThePlaceOfAll) {
   TaskQueue queue;
   ASSERT_TRUE(queue.append(numbered(1)));
