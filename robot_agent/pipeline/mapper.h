@@ -12,6 +12,7 @@
 #include "core/sensor/laser.h"
 #include "proto/sync/evidence_sender.h"
 #include "robot_agent/pipeline/drift.h"
+#include "robot_agent/pipeline/gyro_check.h"
 #include "robot_agent/pipeline/mapper_config.h"
 #include "robot_agent/pipeline/relocalization.h"
 #include "robot_agent/pipeline/replica.h"
@@ -90,6 +91,7 @@ class Mapper {
   /// Whether a laser still cuts the world where it did: level, and the robot in one plane.
   [[nodiscard]] bool in_section(const LaserSpec& laser);
   void track(const Scan& scan, const LaserSpec& laser);
+  void leave_section();
   void turn_submaps_over();
   [[nodiscard]] bool submap_full() const;
   void begin_submap();
@@ -121,6 +123,7 @@ class Mapper {
   GroundTracking ground_tracking_;
   Eigen::Vector2d missed_incline_rad_ = Eigen::Vector2d::Zero();  ///< Of roll and pitch, lately.
   Tracking tracking_;
+  GyroCheck gyro_check_;
   std::optional<double> section_z_m_;  ///< Height at which the tracked surfaces were met.
   SubmapWriter writer_;
   Replica replica_;

@@ -113,6 +113,17 @@ TEST_F(GroundTrackingTest, IsInDoubtWhileTheRobotTipsUnnoticed) {
   EXPECT_FALSE(tracking_.in_doubt());
 }
 
+TEST_F(GroundTrackingTest, AStepOfTwentyCentimetresTakesTwoSweeps) {
+  tracking_.restart(0.15);
+  Pose believed = truth_;
+  believed.z_m -= 0.2;
+  EXPECT_FALSE(lay(believed)) << "one sweep may have met the side of something";
+  EXPECT_TRUE(tracking_.in_doubt());
+  const auto off = lay(believed);
+  ASSERT_TRUE(off);
+  EXPECT_NEAR(off->z_m - 1.7 * off->pitch_rad, 0.2, 0.03);
+}
+
 TEST_F(GroundTrackingTest, IgnoresASweepWithoutHits) {
   Scan scan = look(laser_, truth_, Hills{});
   for (float& range_m : scan.range_m) range_m = std::nanf("");
