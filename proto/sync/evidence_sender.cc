@@ -157,6 +157,13 @@ std::vector<EvidenceSender::Departure> EvidenceSender::take_departures() {
 
 void EvidenceSender::begin_round(std::uint32_t last_number) {
   round_turn_ = turn_;
+  for (auto& [sequence, outgoing] : submaps_) {
+    for (const BlockKey& key : outgoing.again) {
+      if (!overtaken(outgoing, key)) continue;
+      no_longer_under_way(outgoing, outgoing.blocks.at(key));
+      queue(outgoing, key, outgoing.blocks.at(key));
+    }
+  }
   patches_.begin_round(last_number);
 }
 
@@ -273,6 +280,7 @@ void EvidenceSender::item_acked(const Cargo::Item& item) {
     if (found == outgoing->blocks.end()) return;  // Taken up again with less since it was sent.
     Block& block = found->second;
     block.acked = std::max(block.acked, item.version);
+    if (block.under_way <= block.acked) outgoing->again.erase(*item.block);
     if (block.under_way != 0 && block.under_way <= block.acked)
       no_longer_under_way(*outgoing, block);
     queue(*outgoing, *item.block, block);
@@ -281,25 +289,31 @@ void EvidenceSender::item_acked(const Cargo::Item& item) {
   if (outgoing->held()) leave(submaps_.find(item.sequence), true);
 }
 
-void EvidenceSender::on_lost(std::uint32_t number) {
+bool EvidenceSender::on_lost(std::uint32_t number) {
   const auto cargo = cargoes_.find(number);
-  if (cargo == cargoes_.end()) return;
-  for (const auto& item : cargo->second.items) item_lost(item, number);
+  if (cargo == cargoes_.end()) return false;
+  bool again = false;
+  for (const auto& item : cargo->second.items) again = item_lost(item, number) || again;
+  return again;
 }
 
-void EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
+bool EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
   Outgoing* outgoing = find(item.sequence);
-  if (outgoing == nullptr) return;
+  if (outgoing == nullptr) return false;
   if (!item.block) {
-    if (outgoing->head.carrier == number) outgoing->head.under_way = 0;
-    return;
+    if (outgoing->head.carrier != number) return false;
+    outgoing->head.under_way = 0;
+    return outgoing->head_is_news();
   }
   const auto found = outgoing->blocks.find(*item.block);
-  if (found == outgoing->blocks.end()) return;
+  if (found == outgoing->blocks.end()) return false;
   Block& block = found->second;
-  if (block.under_way == 0 || block.carrier != number) return;
+  if (block.under_way == 0 || block.carrier != number) return false;
   no_longer_under_way(*outgoing, block);
+  outgoing->again.insert(*item.block);
+  block.last_sent = std::min(block.last_sent, round_turn_);  // It was not told in this round.
   queue(*outgoing, *item.block, block);
+  return true;
 }
 
 void EvidenceSender::on_refused(const Refusal& refusal) {
@@ -320,6 +334,7 @@ void EvidenceSender::on_session(bool forget_acked) {
   cargoes_.clear();
   for (auto& [sequence, outgoing] : submaps_) {
     outgoing.head.under_way = 0;
+    outgoing.again.clear();
     const bool name_is_forgotten = outgoing.head.newest.earlier.has_value();
     if (forget_acked || name_is_forgotten) outgoing.head.acked = 0;
     for (auto& [key, block] : outgoing.blocks) {
@@ -340,6 +355,11 @@ void EvidenceSender::queue(Outgoing& outgoing, const BlockKey& key, Block& block
   }
 }
 
+bool EvidenceSender::overtaken(const Outgoing& outgoing, const BlockKey& key) {
+  const Block& block = outgoing.blocks.at(key);
+  return block.under_way != 0 && outgoing.versions.version(key) > block.under_way;
+}
+
 void EvidenceSender::no_longer_under_way(Outgoing& outgoing, Block& block) {
   block.under_way = 0;
   --outgoing.blocks_under_way;
@@ -349,7 +369,10 @@ void EvidenceSender::no_longer_under_way(Outgoing& outgoing, Block& block) {
 
 bool EvidenceSender::has_news() const {
   return std::ranges::any_of(submaps_, [](const auto& entry) {
-    return entry.second.head_is_news() || !entry.second.waiting.empty();
+    const Outgoing& outgoing = entry.second;
+    return outgoing.head_is_news() || !outgoing.waiting.empty() ||
+           std::ranges::any_of(outgoing.again,
+                               [&](const BlockKey& key) { return overtaken(outgoing, key); });
   });
 }
 

@@ -81,8 +81,8 @@ class EvidenceSender {
   void set_view(const Viewpoint& view) { view_ = view; }
 
   /// Evidence sets out (again) after frame `last_number`: every block that now has news, once.
-  /// What changes or is lost meanwhile waits for the next round, so that on a slow link rounds
-  /// become longer and cells that change again and again travel less often.
+  /// What changes meanwhile waits for the next round, so that on a slow link rounds become longer
+  /// and cells that change again and again travel less often.
   void begin_round(std::uint32_t last_number);
 
   /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first, after them
@@ -94,8 +94,9 @@ class EvidenceSender {
   int fill(FrameWriter& frame, std::uint32_t number);
   /// Also for a frame judged lost before, while its number is within Flight::kReach of the newest.
   void on_acked(std::uint32_t number);
-  /// What frame `number` carried must be sent again (in its then newest form).
-  void on_lost(std::uint32_t number);
+  /// What frame `number` carried must be sent again (in its then newest form), in the round that
+  /// goes on. False when it need not: it was acknowledged meanwhile, or went again.
+  bool on_lost(std::uint32_t number);
   /// The peer holds less than it acknowledged (it never acknowledges the frame it refused).
   void on_refused(const Refusal& refusal);
   /// The peer lost the common ground of the patches; what was under way comes to be lost.
@@ -145,6 +146,9 @@ class EvidenceSender {
     std::map<BlockKey, Block> blocks;
     std::set<Turn> waiting;  ///< Blocks to be sent: newer than acknowledged, not under way.
     std::size_t blocks_under_way = 0;
+    /// Lost, and nothing acknowledged since: what goes for a second time is late already, so what
+    /// changed meanwhile does not wait for its fate. [Limit: ≤ blocks]
+    std::set<BlockKey> again;
   };
   /// What a frame carried.
   struct Cargo {
@@ -169,10 +173,12 @@ class EvidenceSender {
   [[nodiscard]] std::vector<BlockKey> in_turn(const Outgoing& outgoing) const;
   void set_out(Outgoing& outgoing, const BlockUpdate& update, std::uint32_t number, Cargo& cargo);
   void item_acked(const Cargo::Item& item);
-  void item_lost(const Cargo::Item& item, std::uint32_t number);
+  bool item_lost(const Cargo::Item& item, std::uint32_t number);
   Outgoing* find(std::uint32_t sequence);
   /// Puts a block where it belongs: waiting when it has news and is not under way.
   static void queue(Outgoing& outgoing, const BlockKey& key, Block& block);
+  /// Whether it changed since it set out.
+  static bool overtaken(const Outgoing& outgoing, const BlockKey& key);
   static void no_longer_under_way(Outgoing& outgoing, Block& block);
 
   /// By sequence, those of earlier boots by a borrowed one: they come last. [Limit: ≤ kMaxSubmaps]

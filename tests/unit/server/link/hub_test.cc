@@ -170,7 +170,7 @@ TEST_F(HubTest, RefusesASecondAgentUnderARunningOnesName) {
   say("a", hello(7));
   const auto welcome = hear<proto::Welcome>("a");
   ASSERT_TRUE(welcome);
-  say("a", proto::PoseReport{}, welcome->session);
+  say("a", proto::PoseReport{.asks = true}, welcome->session);
   ASSERT_TRUE(hear<proto::Ack>("a"));
   say("b", hello(8));
   const auto reject = hear<proto::Reject>("b");
