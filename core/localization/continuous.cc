@@ -112,6 +112,7 @@ Registration ContinuousLocalization::register_map_of(const ShortTermMap& map,
   prior.covariance = covariance;
   prior.incline_sigma_rad = std::sqrt(map.incline_rad2 / static_cast<double>(map.scans));
   RegistrationConfig config = config_.registration;
+  config.refine.registered_times = config_.overlapping_maps;
   if (state_ == LocalizationState::lost) {
     config.wide_window = config_.lost_window;
     config.max_wide_innovation = std::numeric_limits<double>::infinity();

@@ -275,8 +275,9 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
     const Normal normal = normal_at(cells, long_term, place, config);
     if (normal.overlap == 0) return std::nullopt;
     const Evidence evidence = observable_part(normal, config);
-    const Eigen::Matrix4d H = evidence.information + prior_information;
-    const Eigen::Vector4d b = evidence.pull - prior_information * difference(place, prior);
+    const Eigen::Matrix4d H = evidence.information / config.registered_times + prior_information;
+    const Eigen::Vector4d b =
+        evidence.pull / config.registered_times - prior_information * difference(place, prior);
     const RobotPlace step = limited(H.ldlt().solve(b));
     if (!step.allFinite()) return std::nullopt;
     place += step;
@@ -288,7 +289,7 @@ std::optional<Refinement> refine(const std::vector<ShortTermCell>& cells,
   result.place = place;
   result.place[3] = wrap_angle(place[3]);
   result.information = observable_part(normal, config).information;
-  result.covariance = (result.information + prior_information).inverse();
+  result.covariance = (result.information / config.registered_times + prior_information).inverse();
   result.overlap = normal.overlap;
   result.inliers = static_cast<double>(normal.inliers) / static_cast<double>(normal.overlap);
   result.misfit = normal.misfit / static_cast<double>(normal.overlap);

@@ -32,7 +32,10 @@ struct RefineConfig {
   /// [-] Neighbouring cells err together: this many count as one.
   double cells_per_opinion = 5.0;
   /// [m] What the match alone shows worse than this, it does not show: the prior stays.
-  double blind_sigma_m = 0.05;
+  double blind_sigma_m = 0.15;
+  /// [-] So many maps hold each scan, and each of them is registered: against the prior a match
+  /// counts as this part of one.
+  double registered_times = 1.0;
   int max_iterations = 30;
 };
 

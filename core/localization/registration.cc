@@ -257,19 +257,26 @@ class Registering {
   /// the way from one to the other the prior stays.
   [[nodiscard]] Refinement common(const std::vector<Refined>& found) const {
     Refinement match = found.front().match;
-    Eigen::Matrix4d information = match.information;
+    // The information as Aᵀ·A: what is taken away in this form never leaves a negative rest.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(match.information);
+    Eigen::Matrix4d A = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                        eigen.eigenvectors().transpose();
+    bool alone = true;
     for (const Refined& other : found) {
       if (other.chi2 - found.front().chi2 >= config_.min_margin) break;
-      const RobotPlace apart = difference(other.match.place, match.place);
-      const RobotPlace told = information * apart;
-      const double told_along = apart.dot(told);
-      if (told_along > 0.0) information -= told * told.transpose() / told_along;
+      const Eigen::Vector4d told = A * difference(other.match.place, match.place);
+      constexpr double kToldAlready = 1e-3;  // [-] Sigmas between two places.
+      if (told.norm() < kToldAlready) continue;
+      A -= told * (told.transpose() * A) / told.squaredNorm();
+      alone = false;
     }
-    if (information == match.information) return match;
+    if (alone) return match;
+    const Eigen::Matrix4d information = A.transpose() * A;
     match.information = information;
-    match.covariance = (information + prior_covariance_.inverse()).inverse();
+    const Eigen::Matrix4d counted = information / config_.refine.registered_times;
+    match.covariance = (counted + prior_covariance_.inverse()).inverse();
     const RobotPlace off = difference(match.place, prior_place());
-    match.place = prior_place() + match.covariance * information * off;
+    match.place = prior_place() + match.covariance * counted * off;
     match.place[3] = wrap_angle(match.place[3]);
     return match;
   }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "core/map/terrain_kernels.h"
 #include "core/map/traversability.h"
 
 namespace cairn {
@@ -28,42 +28,14 @@ struct SoftGround {
   std::vector<std::uint8_t> slope_percent;
 };
 
-/// The row kernels in one instruction set. All give the same integers.
-struct SoftKernels {
-  const char* name;
-  void (*row)(const struct SoftRow& row);
-};
-
-/// One row of the work. Heights have room for `margin` cells on either side; what is unknown or
-/// outside is kNoHeight.
-struct SoftRow {
-  const std::int32_t* below;  ///< Row y - 1.
-  const std::int32_t* own;
-  const std::int32_t* above;   ///< Row y + 1.
-  const std::int32_t* behind;  ///< Row y - reach.
-  const std::int32_t* ahead;   ///< Row y + reach.
-  const std::uint8_t* probability;
-  int width;
-  int reach;  ///< [cells] Half a wheel base.
-  std::int32_t step_limit_mm;
-  float sigma_mm;
-  std::int32_t slope_scale;  ///< [1/4096] From mm over 2 · reach cells to percent.
-  std::uint8_t* obstacle;
-  std::uint8_t* roughness_mm;
-  std::uint8_t* slope_percent;
-
-  static constexpr std::int32_t kNoHeight = 0x7fffffff;
-};
-
-[[nodiscard]] const SoftKernels& portable_soft_kernels();
-/// All that this processor can run, fastest first, the portable one last.
-[[nodiscard]] const std::vector<const SoftKernels*>& usable_soft_kernels();
-[[nodiscard]] const SoftKernels* avx2_soft_kernels();
-[[nodiscard]] const SoftKernels* avx512_soft_kernels();
-
 /// Requires: sigma_mm and wheel_base_m within their limits. Linear in the cells. `ground` may be
 /// one of before, whose memory is then used again.
 void assess(const HeightGrid& grid, const VehicleLimits& limits, const SoftLimits& soft,
-            SoftGround& ground, const SoftKernels& kernels = *usable_soft_kernels().front());
+            SoftGround& ground, const TerrainKernels& kernels = *usable_terrain_kernels().front());
+
+/// assess() and classify() at once, in little more time than either.
+void judge(const HeightGrid& grid, const VehicleLimits& limits, const SoftLimits& soft,
+           std::vector<CellClass>& classes, SoftGround& ground,
+           const TerrainKernels& kernels = *usable_terrain_kernels().front());
 
 }  // namespace cairn

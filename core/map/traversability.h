@@ -51,11 +51,17 @@ struct VehicleLimits {
 
 enum class CellClass : std::uint8_t { unknown = 0, free = 1, obstacle = 2 };
 
+/// [cells] A change of a height changes no class farther away than this.
+inline constexpr int kSplitStepReach = 3;
+
 /// Converts heights to free / obstacle / unknown (T4.3.1): a known cell that stands above one of
 /// its eight known neighbours by more than the vehicle can both climb and descend is an obstacle;
-/// only the -z difference counts, so a cliff is marked at its top. So are steps that the grid has
-/// cut in two (see mark_split_steps). Steps that the vehicle manages one way only stay free here:
-/// the planner forbids the other way.
+/// only the -z difference counts, so a cliff is marked at its top. Steps that the vehicle manages
+/// one way only stay free here: the planner forbids the other way.
+/// So are steps that the grid has cut in two: where the ground falls by more than the limit over
+/// two cells, along any of eight directions, and is level above and below that, the upper cell is
+/// an obstacle, and the one between when more than a quarter of the step lies below it. Slopes go
+/// on above or below, and stay what they are.
 [[nodiscard]] std::vector<CellClass> classify(const HeightGrid& grid, const VehicleLimits& limits);
 
 }  // namespace cairn

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/map/split_steps.h"
+#include "core/map/soft_ground.h"
 #include "core/planner/trulla.h"
 
 namespace cairn {

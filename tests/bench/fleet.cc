@@ -180,6 +180,7 @@ Outcome run(int robots, int length_s) {
       asio::make_strand(asio::any_io_executor(server.get_executor())), std::move(carriers),
       server::Hub::Listener{.connected = [](server::Robot&) {},
                             .reported = [](server::Robot&, const proto::CommandReport&) {},
+                            .asked = [](server::Robot&, const proto::CorridorRequest&) {},
                             .site_named = [&](const std::string&) { return site; }});
   auto work = asio::make_work_guard(server);
   std::atomic<double> served_s{0.0};

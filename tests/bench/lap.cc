@@ -15,8 +15,8 @@
 #include "core/localization/match_raster.h"
 #include "core/map/update.h"
 #include "core/pose/dead_reckoning.h"
-#include "core/pose/incline_trust.h"
 #include "robot_agent/input/simulator.h"
+#include "robot_agent/pipeline/mapper.h"
 
 namespace cairn::bench {
 namespace {
@@ -72,57 +72,47 @@ Result<std::unique_ptr<agent::Input>> robot_in(const std::string& world, std::ui
   return agent::make_simulator(config, std::move(*built));
 }
 
-/// The robot's pose module and localization, and what they were at each motion reading.
+/// The agent's map making and localization with the world's map, and a pose module alone beside it.
 class Localized {
  public:
-  Localized(const Pose& start, const HeightMap& long_term, const ContinuousConfig& config)
-      : long_term_(long_term),
-        alone_(DeadReckoningConfig{}, start),
-        corrected_(DeadReckoningConfig{}, start),
-        localization_(config) {}
-
-  void take(const agent::Reading& reading, agent::Input& robot) {
-    if (const auto* motion = std::get_if<MotionReading>(&reading)) {
-      const Pose before = alone_.pose();
-      alone_.update(*motion);
-      corrected_.update(*motion);
-      incline_trust_.note(before, alone_.pose(), motion->stamp);
-      localization_.move(corrected_.pose());
-      note(robot.truth()->T_site_robot);
-    } else if (const auto* scan = std::get_if<Scan>(&reading)) {
-      localization_.take_scan(*scan, robot.lasers()[scan->laser], corrected_.pose(),
-                              incline_trust_.sigma_rad());
-    }
-    correct();
+  Localized(const agent::Input& robot, const HeightMap& long_term)
+      : alone_(DeadReckoningConfig{}, robot.start()),
+        mapper_(agent::MapperConfig{}, robot.lasers(), robot.start(), 1, evidence_) {
+    std::vector<agent::GivenTile> tiles;
+    for (const auto& [key, tile] : long_term.tiles()) tiles.push_back({key, *tile, 0});
+    mapper_.take_tiles(tiles);
   }
 
-  [[nodiscard]] Lap& lap() { return lap_; }
+  void take(const agent::Reading& reading, const agent::Input& robot) {
+    const std::uint64_t refused = mapper_.corrections_refused();
+    if (const auto* motion = std::get_if<MotionReading>(&reading)) {
+      alone_.update(*motion);
+      mapper_.take_motion(*motion);
+      note(robot.truth()->T_site_robot);
+    } else if (const auto* scan = std::get_if<Scan>(&reading)) {
+      mapper_.take_scan(*scan);
+    }
+    if (mapper_.corrections_refused() > refused) lap_.last_refusal = mapper_.localization_why();
+    lap_.lost = lap_.lost || mapper_.localization() == LocalizationState::lost;
+  }
 
   void note(const Pose& truth) {
     lap_.truth.push_back(truth);
-    lap_.corrected.push_back(corrected_.pose());
+    lap_.corrected.push_back(mapper_.pose());
     lap_.uncorrected.push_back(alone_.pose());
   }
 
- private:
-  void correct() {
-    const auto answer = localization_.localize(long_term_, corrected_.covariance());
-    if (!answer) return;
-    if (answer->accepted) {
-      corrected_.correct(answer->T_site_robot, answer->covariance);
-      ++lap_.corrections;
-    } else {
-      ++lap_.refusals;
-      lap_.last_refusal = answer->why;
-    }
-    lap_.lost = lap_.lost || localization_.state() == LocalizationState::lost;
+  [[nodiscard]] Lap finish(const Pose& truth) {
+    note(truth);
+    lap_.corrections = mapper_.corrections_accepted();
+    lap_.refusals = mapper_.corrections_refused();
+    return std::move(lap_);
   }
 
-  const HeightMap& long_term_;
+ private:
   DeadReckoning alone_;
-  DeadReckoning corrected_;
-  InclineTrust incline_trust_{InclineTrustConfig{}};
-  ContinuousLocalization localization_;
+  proto::EvidenceSender evidence_;
+  agent::Mapper mapper_;
   Lap lap_;
 };
 
@@ -140,7 +130,7 @@ Result<HeightMap> map_from_true_poses(const std::string& world, std::uint64_t se
                                       const std::vector<WayPoint>& way) {
   auto robot = robot_in(world, seed, seed + 10'000);
   if (!robot) return robot.error();
-  HeightMap map(ContinuousConfig{}.cell_size_mm);
+  HeightMap map(agent::MapperConfig{}.cell_size_mm);
   ScanIntegrator integrator(SensorModel{});
   const Status driven =
       drive(**robot, way, [&](const agent::Reading& reading, agent::Input& input) {
@@ -156,17 +146,15 @@ Result<HeightMap> map_from_true_poses(const std::string& world, std::uint64_t se
 }
 
 Result<Lap> drive_lap(const std::string& world, std::uint64_t seed,
-                      const std::vector<WayPoint>& way, const HeightMap& long_term,
-                      const ContinuousConfig& config) {
+                      const std::vector<WayPoint>& way, const HeightMap& long_term) {
   auto robot = robot_in(world, seed, seed + 20'000);
   if (!robot) return robot.error();
-  Localized localized((*robot)->truth()->T_site_robot, long_term, config);
+  Localized localized(**robot, long_term);
   const Status driven = drive(
       **robot, way,
       [&](const agent::Reading& reading, agent::Input& input) { localized.take(reading, input); });
   if (!driven) return driven.error();
-  localized.note((*robot)->truth()->T_site_robot);
-  return std::move(localized.lap());
+  return localized.finish((*robot)->truth()->T_site_robot);
 }
 
 PoseError error_of(const Pose& believed, const Pose& truth) {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/common/result.h"
-#include "core/localization/continuous.h"
 #include "core/map/height_map.h"
 #include "core/pose/pose.h"
 
@@ -22,8 +21,8 @@ struct Lap {
   std::vector<Pose> truth;  ///< At each motion reading, as the two below.
   std::vector<Pose> corrected;
   std::vector<Pose> uncorrected;
-  int corrections = 0;
-  int refusals = 0;
+  std::uint64_t corrections = 0;
+  std::uint64_t refusals = 0;
   bool lost = false;  ///< At any time.
   std::string last_refusal;
 };
@@ -32,11 +31,10 @@ struct Lap {
 [[nodiscard]] Result<HeightMap> map_from_true_poses(const std::string& world, std::uint64_t seed,
                                                     const std::vector<WayPoint>& way);
 
-/// The same drive with other noise; somebody who sees the robot steers it from way point to way
-/// point. It is given its first pose and the map.
+/// The same drive with other noise, by the agent's own map making; somebody who sees the robot
+/// steers it from way point to way point. It is given its first pose and the map.
 [[nodiscard]] Result<Lap> drive_lap(const std::string& world, std::uint64_t seed,
-                                    const std::vector<WayPoint>& way, const HeightMap& long_term,
-                                    const ContinuousConfig& config);
+                                    const std::vector<WayPoint>& way, const HeightMap& long_term);
 
 /// How far a pose is off.
 struct PoseError {

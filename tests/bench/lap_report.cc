@@ -38,8 +38,8 @@ struct Ends {
 struct Laps {
   Ends corrected, uncorrected;
   Ends on_the_way;  ///< Corrected, at every reading.
-  int corrections = 0;
-  int refusals = 0;
+  std::uint64_t corrections = 0;
+  std::uint64_t refusals = 0;
   int lost = 0;
 
   void add(const Lap& lap) {
@@ -102,8 +102,7 @@ int run_laps(const std::string& bench, const std::string& world, const std::vect
   Laps laps;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const auto map = map_from_true_poses(world, seed, way);
-    const auto lap =
-        map ? drive_lap(world, seed, way, *map, ContinuousConfig{}) : Result<Lap>(map.error());
+    const auto lap = map ? drive_lap(world, seed, way, *map) : Result<Lap>(map.error());
     if (!lap) {
       std::cerr << lap.error().message << '\n';
       return 1;

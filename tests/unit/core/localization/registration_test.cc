@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -92,6 +93,16 @@ TEST(Registration, WhereSeveralPlacesMatchTellsOnlyWhatTheyAgreeOn) {
   EXPECT_NEAR(r.T_site_submap.z_m, kRobot.z_m, 0.02);
   EXPECT_NEAR(r.T_site_submap.x_m, kRobot.x_m + 0.35, 0.1) << "along the row the prior stays";
   EXPECT_GT(r.covariance(0, 0), 0.3 * 0.3);
+}
+
+TEST(Registration, WhereSeveralPlacesMatchAnswersWithACovariance) {
+  for (int i = 0; i < 4; ++i) {
+    const Registration r =
+        registered(Colonnade{}, {0.1 * i, 0.3, 0.1, 0.0, 0.0, radians(2.0)}, {}, 1, 1.0);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(r.covariance);
+    EXPECT_GT(eigen.eigenvalues().minCoeff(), 0.0) << r.covariance;
+    EXPECT_TRUE(r.covariance.isApprox(r.covariance.transpose(), 1e-6)) << r.covariance;
+  }
 }
 
 TEST(Registration, WithALongTermMapOfAnotherPlaceIsRefused) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <string>
 
 #include "tests/support/ascii_grid.h"
 
@@ -14,36 +15,88 @@ using test::draw;
 const VehicleLimits kLimits{100, 100, 0.0};
 
 SoftGround assessed(const HeightGrid& grid, const SoftLimits& soft = {},
-                    const SoftKernels& kernels = *usable_soft_kernels().front()) {
+                    const TerrainKernels& kernels = *usable_terrain_kernels().front()) {
   SoftGround ground;
   assess(grid, kLimits, soft, ground, kernels);
   return ground;
 }
 
-HeightGrid random_grid(unsigned seed) {
+/// Steps and slopes, now and then a cliff, heights around `level_mm`; a fifth is unknown.
+HeightGrid random_grid(unsigned seed, std::int32_t level_mm = 0) {
   std::mt19937 random(seed);
   const auto below = [&](unsigned limit) { return static_cast<int>(random() % limit); };
   HeightGrid grid = empty_grid({-3, 5}, {-3 + below(90), 5 + below(40)}, 125).value();
+  const int cliffs = 1 + below(200);
   for (std::size_t i = 0; i < grid.height_mm.size(); ++i) {
-    grid.height_mm[i] = below(400) - 200 + (below(9) == 0 ? 90'000'000 : 0);
+    grid.height_mm[i] = level_mm + below(400) - 200 + (below(cliffs) == 0 ? below(40'000) : 0);
     grid.probability[i] = below(5) == 0 ? 0 : static_cast<std::uint8_t>(1 + below(255));
   }
   return grid;
 }
 
+struct Judged {
+  std::vector<CellClass> classes;
+  SoftGround ground;
+};
+
+Judged judged(const HeightGrid& grid, const VehicleLimits& limits, const SoftLimits& soft,
+              const TerrainKernels& kernels) {
+  Judged all;
+  judge(grid, limits, soft, all.classes, all.ground, kernels);
+  return all;
+}
+
+void expect_same_everywhere(const HeightGrid& grid, const VehicleLimits& limits,
+                            const SoftLimits& soft, const std::string& which) {
+  const Judged expected = judged(grid, limits, soft, portable_terrain_kernels());
+  for (const TerrainKernels* kernels : usable_terrain_kernels()) {
+    const Judged all = judged(grid, limits, soft, *kernels);
+    ASSERT_EQ(all.classes, expected.classes) << kernels->name << " " << which;
+    ASSERT_EQ(all.ground.obstacle, expected.ground.obstacle) << kernels->name << " " << which;
+    ASSERT_EQ(all.ground.roughness_mm, expected.ground.roughness_mm)
+        << kernels->name << " " << which;
+    ASSERT_EQ(all.ground.slope_percent, expected.ground.slope_percent)
+        << kernels->name << " " << which;
+  }
+}
+
 TEST(SoftGround, IsTheSameInEveryInstructionSet) {
-  for (unsigned seed = 0; seed < 200; ++seed) {
-    const HeightGrid grid = random_grid(seed);
+  for (unsigned seed = 0; seed < 400; ++seed) {
     SoftLimits soft;
     soft.wheel_base_m = 0.1 + 0.01 * (seed % 150);
-    const SoftGround expected = assessed(grid, soft, portable_soft_kernels());
-    for (const SoftKernels* kernels : usable_soft_kernels()) {
-      const SoftGround ground = assessed(grid, soft, *kernels);
-      ASSERT_EQ(ground.obstacle, expected.obstacle) << kernels->name << " seed " << seed;
-      ASSERT_EQ(ground.roughness_mm, expected.roughness_mm) << kernels->name << " seed " << seed;
-      ASSERT_EQ(ground.slope_percent, expected.slope_percent) << kernels->name << " seed " << seed;
-    }
+    soft.sigma_mm = 1.0 + seed % 7 * 100.0;
+    const VehicleLimits limits{static_cast<std::int32_t>(seed % 5 * 60), 80, 0.0};
+    const auto level_mm = static_cast<std::int32_t>(seed % 9) * 4'000'000;
+    expect_same_everywhere(random_grid(seed, level_mm), limits, soft, std::to_string(seed));
   }
+}
+
+TEST(SoftGround, IsTheSameWhereHeightsAreFartherApartThan16BitsHold) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    HeightGrid grid = random_grid(seed);
+    std::mt19937 random(seed + 1000);
+    const std::int32_t ends[] = {-32768, 32767, -16001, 16000, 100'000'000, -100'000'000};
+    for (int i = 0; i < 6; ++i) {
+      grid.height_mm[random() % grid.height_mm.size()] = ends[random() % 6];
+    }
+    expect_same_everywhere(grid, {100, 100, 0.0}, {}, std::to_string(seed));
+  }
+}
+
+TEST(SoftGround, IsTheSameOnMapsWiderThanABlockAndOnLongSlopes) {
+  HeightGrid grid = empty_grid({0, 0}, {2 * TerrainBlock::kMostWidth + 77, 30}, 125).value();
+  std::mt19937 random(3);
+  for (std::size_t i = 0; i < grid.height_mm.size(); ++i) {
+    grid.height_mm[i] = static_cast<std::int32_t>(i % 9000 * 7 + random() % 200);
+    grid.probability[i] = random() % 40 == 0 ? 0 : 200;
+  }
+  expect_same_everywhere(grid, {100, 100, 0.0}, {}, "wide");
+  HeightGrid tall = empty_grid({0, 0}, {40, 3000}, 125).value();
+  for (std::size_t i = 0; i < tall.height_mm.size(); ++i) {
+    tall.height_mm[i] = static_cast<std::int32_t>(i + random() % 200);
+    tall.probability[i] = random() % 40 == 0 ? 0 : 200;
+  }
+  expect_same_everywhere(tall, {100, 100, 0.0}, {}, "tall");
 }
 
 /// The obstacle probability [1/255] of a single step.

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+#include <random>
 
+#include "core/map/soft_ground.h"
 #include "tests/support/ascii_grid.h"
 
 namespace cairn {
@@ -92,6 +95,96 @@ TEST(Classify, KnowsTheFootAndTheCrestOfARampFromAStep) {
 TEST(Classify, LooksForASplitStepOnlyWhereTheGroundIsKnown) {
   EXPECT_EQ(classes_of({"2?0"}, kTenCentimetres, 65), (Rows{".?."}));
   EXPECT_EQ(classes_of({"?10"}, kTenCentimetres, 65), (Rows{"?.."}));
+}
+
+/// Cell by cell, as the rule says it.
+class ByTheRule {
+ public:
+  ByTheRule(const HeightGrid& grid, std::int64_t limit_mm) : grid_(grid), limit_mm_(limit_mm) {}
+
+  std::vector<CellClass> classes() {
+    for (std::size_t i = 0; i < grid_.probability.size(); ++i) {
+      classes_.push_back(grid_.probability[i] == 0 ? CellClass::unknown : CellClass::free);
+    }
+    for (int y = 0; y < grid_.height; ++y) {
+      for (int x = 0; x < grid_.width; ++x) {
+        for (int way = 0; way < 9; ++way) {
+          if (way != 4) judge(x, y, way % 3 - 1, way / 3 - 1);
+        }
+      }
+    }
+    return classes_;
+  }
+
+ private:
+  void judge(int x, int y, int dx, int dy) {
+    const auto at = [&](int steps) { return height(x + steps * dx, y + steps * dy); };
+    const auto top = at(0);
+    const auto next = at(1);
+    const auto bottom = at(2);
+    if (!top || !next) return;
+    if (*top - *next > limit_mm_) mark(x, y);
+    if (!bottom || *top - *bottom <= limit_mm_) return;
+    if (*top - *next > limit_mm_ || *next - *bottom > limit_mm_) return;
+    const std::int64_t level = (*top - *bottom) / 4;
+    if (at(-1) && *at(-1) - *top >= level) return;
+    if (at(3) && *bottom - *at(3) >= level) return;
+    mark(x, y);
+    if (*next - *bottom > level) mark(x + dx, y + dy);
+  }
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y * grid_.width + x);
+  }
+  void mark(int x, int y) { classes_[index(x, y)] = CellClass::obstacle; }
+  [[nodiscard]] std::optional<std::int64_t> height(int x, int y) const {
+    const bool inside = x >= 0 && y >= 0 && x < grid_.width && y < grid_.height;
+    if (!inside || grid_.probability[index(x, y)] == 0) return std::nullopt;
+    return grid_.height_mm[index(x, y)];
+  }
+
+  const HeightGrid& grid_;
+  std::int64_t limit_mm_;
+  std::vector<CellClass> classes_;
+};
+
+/// Levels at some steps' height from each other, a ragged edge between them, some of it unknown.
+HeightGrid ragged_steps(unsigned seed) {
+  std::mt19937 random(seed);
+  const auto below = [&](unsigned limit) { return static_cast<int>(random() % limit); };
+  HeightGrid grid = empty_grid({0, 0}, {below(120), below(60)}, 125).value();
+  const int step_mm = 20 + below(300);
+  const int unknown_of_hundred = below(20);
+  const int cliffs_of_thousand = below(8);
+  const std::int32_t ends[] = {-32768, 32767, -16000, 16383, 100'000'000, -100'000'000};
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const std::size_t at = grid.at({x, y});
+      const int level = (x + y / 2 + below(3)) / 5 % 4;
+      grid.height_mm[at] = level * step_mm + below(30);
+      if (below(1000) < cliffs_of_thousand) grid.height_mm[at] = ends[below(6)];
+      grid.probability[at] = below(100) < unknown_of_hundred ? 0 : 200;
+    }
+  }
+  return grid;
+}
+
+TEST(Classify, DoesByRowsWhatTheRuleSaysOfEachCell) {
+  std::size_t split = 0;
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    const HeightGrid grid = ragged_steps(seed);
+    const std::int32_t limit_mm = seed % 17 == 0   ? 16383
+                                  : seed % 19 == 0 ? 50'000
+                                                   : static_cast<std::int32_t>(seed % 200);
+    const auto expected = ByTheRule(grid, limit_mm).classes();
+    for (const TerrainKernels* kernels : usable_terrain_kernels()) {
+      std::vector<CellClass> classes;
+      SoftGround ground;
+      judge(grid, {limit_mm, 0, 0.0}, {}, classes, ground, *kernels);
+      ASSERT_EQ(classes, expected) << kernels->name << " seed " << seed;
+    }
+    split += static_cast<std::size_t>(std::ranges::count(expected, CellClass::obstacle));
+  }
+  EXPECT_GT(split, 100'000U);
 }
 
 TEST(Classify, TakesMapsOfOneRowOrColumn) {
