@@ -19,12 +19,14 @@
 #include "robot_agent/input/vehicle.h"
 #include "tests/bench/report.h"
 #include "tests/bench/solo_robot.h"
-#include "tests/bench/world_height.h"
+#include "tests/bench/true_ground.h"
 
 namespace cairn::bench {
 namespace {
 
 constexpr int kCellMm = 125;
+/// [m] Goals are where a vehicle fits that needs a little more room than ours.
+constexpr double kRoomM = 0.7;
 constexpr int kGoalsPerRobot = 10;
 constexpr int kBoxes = 6;
 constexpr int kPeople = 4;
@@ -36,29 +38,6 @@ using Random = std::mt19937_64;
 
 double between(double low, double high, Random& random) {
   return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-/// The ground as it is, for a vehicle that needs a little more room than ours.
-DrivableGrid true_ground(const agent::World& world) {
-  const WorldHeight height(world.surface);
-  const double cell_m = kCellMm / 1000.0;
-  const auto index = [&](double m) { return static_cast<std::int32_t>(std::floor(m / cell_m)); };
-  auto grid =
-      empty_grid({index(world.surface.west_m()) + 1, index(world.surface.south_m()) + 1},
-                 {index(world.surface.east_m()) - 1, index(world.surface.north_m()) - 1}, kCellMm)
-          .value();
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x) {
-      const std::size_t at = grid.at({grid.origin.x + x, grid.origin.y + y});
-      const double z_m =
-          height((grid.origin.x + x + 0.5) * cell_m, (grid.origin.y + y + 0.5) * cell_m);
-      grid.height_mm[at] = static_cast<std::int32_t>(std::lround(z_m * 1000.0));
-      grid.probability[at] = 250;
-    }
-  }
-  PlannerConfig config;
-  config.limits.radius_m = 0.7;
-  return make_drivable(std::move(grid), config);
 }
 
 /// Whether an operator could choose it: on the robot's map, with room for the vehicle.
@@ -82,23 +61,6 @@ Eigen::Vector2d reachable_place(const DrivableGrid& ground, const Field& from_he
                          static_cast<std::int32_t>(std::floor(place_m.y() / cell_m))};
     if (cost_to_goal(ground, from_here, cell) != kNoWay) return place_m;
   }
-}
-
-/// One sweep of a laser, its readings off by 15 mm.
-Scan sweep(const agent::RayCaster& caster, const LaserSpec& laser, std::size_t index,
-           const Pose& robot, Random& random) {
-  const Eigen::Isometry3d T = to_transform(robot) * to_transform(laser.T_robot_sensor);
-  std::normal_distribution<double> error_m(0.0, 0.015);
-  Scan scan{{}, index, {}};
-  for (int i = 0; i < laser.beam_count; ++i) {
-    const double angle = laser.first_angle_rad + i * laser.step_rad;
-    const double range_m = caster.range_m(
-        T.translation(), T.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0.0),
-        laser.max_range_m);
-    const bool hit = range_m < laser.max_range_m;
-    scan.range_m.push_back(static_cast<float>(hit ? range_m + error_m(random) : range_m));
-  }
-  return scan;
 }
 
 /// Beside an obstacle the ground's height in a cell is not that in its middle.
@@ -144,10 +106,10 @@ HeightMap map_of(const agent::World& world, const DrivableGrid& ground, const Fi
         const Pose robot =
             agent::Vehicle({}, world.surface, {x_m, y_m, 0, 0, 0, radians(90 * look)}).pose();
         for (std::size_t i = 0; i < lasers.size(); ++i) {
-          integrator.integrate(
-              map,
-              beams_in_site(sweep(caster, lasers[i], i, robot, random), lasers[i], robot, 15.0),
-              std::nullopt, nullptr);
+          integrator.integrate(map,
+                               beams_in_site(sweep(caster, lasers[i], i, robot, 0.015, random),
+                                             lasers[i], robot, 15.0),
+                               std::nullopt, nullptr);
         }
       }
     }
@@ -165,7 +127,7 @@ Field field_from(const DrivableGrid& ground, const Eigen::Vector2d& from_m) {
 /// Puts boxes and people on ways that somebody might take.
 void populate(agent::World& world, Random& random) {
   const Eigen::Vector2d start_m(world.start.x_m, world.start.y_m);
-  const DrivableGrid ground = true_ground(world);
+  const DrivableGrid ground = true_ground(world, kCellMm, kRoomM);
   const Field field = field_from(ground, start_m);
   for (int i = 0; i < kBoxes + kPeople; ++i) {
     Eigen::Vector2d place_m = reachable_place(ground, field, start_m, random);
@@ -213,11 +175,11 @@ struct Totals {
 void drive_goals(const std::string& name, std::uint64_t seed, int goals, Totals& totals) {
   Random random(seed);
   agent::World world = agent::make_world(name, seed).value();
-  const DrivableGrid empty = true_ground(world);
+  const DrivableGrid empty = true_ground(world, kCellMm, kRoomM);
   const HeightMap map =
       map_of(world, empty, field_from(empty, {world.start.x_m, world.start.y_m}), random);
   populate(world, random);
-  const DrivableGrid ground = true_ground(world);
+  const DrivableGrid ground = true_ground(world, kCellMm, kRoomM);
   agent::SimulatorConfig config;
   config.world = name;
   config.seed = seed;

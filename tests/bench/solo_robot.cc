@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "core/planner/corridor.h"
+#include "server/mission/planning.h"
 
 namespace cairn::bench {
 namespace {
 
 constexpr Duration kStep = std::chrono::milliseconds(50);
+constexpr Duration kLookPeriod = std::chrono::seconds(1);
 constexpr int kMostPaths = 20;
 constexpr std::uint8_t kHalfWidth = 12;  ///< [cells] Of the corridor around its paths.
 
@@ -71,6 +73,7 @@ bool SoloRobot::send_path(const Eigen::Vector2d& goal_m, Trip& trip) {
   const Path path = plan(known, {.start_m = {pose.x_m, pose.y_m}, .goal_m = goal_m}, planner());
   trip.why = path.why;
   if (path.status != PathStatus::complete) return false;
+  path_m_ = path.points_m;
   if (trip.paths++ == 0) trip.planned_m = path.length_m;
   proto::RobotLink::Order order;
   order.command.id = command_;
@@ -146,15 +149,47 @@ void SoloRobot::follow_reports(const Eigen::Vector2d& goal_m, Trip& trip) {
   }
 }
 
-SoloRobot::Trip SoloRobot::go_to(const Eigen::Vector2d& goal_m, Duration limit) {
+void SoloRobot::give_up(Trip& trip) {
+  ended_ = true;
+  proto::RobotLink::Order order;
+  order.command.id = command_;
+  order.command.revision = static_cast<std::uint32_t>(++trip.paths);
+  order.command.kind = proto::CommandKind::stop;
+  order.command.issuer = "bench";
+  order.command.expires_clock_ms = std::numeric_limits<std::uint64_t>::max();
+  driver_.take(order, mapper_.pose(), now_);
+}
+
+void SoloRobot::look(const Eigen::Vector2d& goal_m, const Enough& enough, Trip& trip) {
+  const DrivableGrid known = ground();
+  if (enough(known)) {
+    trip.enough = ended_ = true;
+    return;
+  }
+  const Eigen::Vector2d here_m(mapper_.pose().x_m, mapper_.pose().y_m);
+  if (server::path_is_open(known, server::rest_of(path_m_, here_m))) return;
+  if (trip.paths >= kMostPaths || !send_path(goal_m, trip)) give_up(trip);
+}
+
+void SoloRobot::wait(Duration time) {
+  for (const MonotonicTime end = now_ + time; now_ < end;) step();
+}
+
+SoloRobot::Trip SoloRobot::go_to(const Eigen::Vector2d& goal_m, Duration limit,
+                                 const Enough& enough) {
   Trip trip;
   ++command_;
   ended_ = !send_path(goal_m, trip);
   const MonotonicTime begun = now_;
+  MonotonicTime next_look = now_ + kLookPeriod;
   Pose last = truth().T_site_robot;
   while (!ended_ && now_ - begun < limit) {
     step();
     follow_reports(goal_m, trip);
+    if (enough && !ended_ && now_ >= next_look) {
+      look(goal_m, enough, trip);
+      next_look = now_ + kLookPeriod;
+    }
     const Pose& here = truth().T_site_robot;
     trip.driven_m += std::hypot(here.x_m - last.x_m, here.y_m - last.y_m);
     last = here;

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/planner/plan.h"
 #include "proto/sync/evidence_sender.h"
@@ -29,14 +31,24 @@ class SoloRobot {
     double planned_m = 0.0;  ///< Length of the first path.
     double seconds = 0.0;
     int paths = 0;  ///< That were planned for it.
+    bool enough = false;
   };
+  /// Whether the goal has become pointless, by what is known by now.
+  using Enough = std::function<bool(const DrivableGrid&)>;
   /// Drives there, for at most `limit`.
-  Trip go_to(const Eigen::Vector2d& goal_m, Duration limit);
+  Trip go_to(const Eigen::Vector2d& goal_m, Duration limit) { return go_to(goal_m, limit, {}); }
+  /// The same; every second the way is looked at as a server does: if that is `enough` the trip
+  /// ends, the robot still under way; where the path is closed by now it gets another; and where
+  /// there is none any more it is stopped.
+  Trip go_to(const Eigen::Vector2d& goal_m, Duration limit, const Enough& enough);
+  /// Lets time pass; the robot does what it was told last.
+  void wait(Duration time);
 
   /// On all that the robot knows now.
   [[nodiscard]] DrivableGrid ground() const;
   [[nodiscard]] agent::Truth truth() const { return *input_->truth(); }
   [[nodiscard]] const agent::Mapper& mapper() const { return mapper_; }
+  [[nodiscard]] MonotonicTime now() const { return now_; }
   [[nodiscard]] static PlannerConfig planner() { return {}; }
 
  private:
@@ -45,6 +57,8 @@ class SoloRobot {
   void give_corridor(const proto::RobotLink::Order& order, const DrivableGrid& known,
                      const Eigen::Vector2d& goal_m);
   void step();
+  void look(const Eigen::Vector2d& goal_m, const Enough& enough, Trip& trip);
+  void give_up(Trip& trip);
   void follow_reports(const Eigen::Vector2d& goal_m, Trip& trip);
 
   std::unique_ptr<agent::Input> input_;
@@ -54,6 +68,7 @@ class SoloRobot {
   MonotonicTime now_{};
   std::uint64_t command_ = 0;
   bool ended_ = false;
+  std::vector<Eigen::Vector2d> path_m_;  ///< Sent last.
 };
 
 }  // namespace cairn::bench
