@@ -157,13 +157,6 @@ std::vector<EvidenceSender::Departure> EvidenceSender::take_departures() {
 
 void EvidenceSender::begin_round(std::uint32_t last_number) {
   round_turn_ = turn_;
-  for (auto& [sequence, outgoing] : submaps_) {
-    for (const BlockKey& key : outgoing.again) {
-      if (!overtaken(outgoing, key)) continue;
-      no_longer_under_way(outgoing, outgoing.blocks.at(key));
-      queue(outgoing, key, outgoing.blocks.at(key));
-    }
-  }
   patches_.begin_round(last_number);
 }
 
@@ -280,7 +273,6 @@ void EvidenceSender::item_acked(const Cargo::Item& item) {
     if (found == outgoing->blocks.end()) return;  // Taken up again with less since it was sent.
     Block& block = found->second;
     block.acked = std::max(block.acked, item.version);
-    if (block.under_way <= block.acked) outgoing->again.erase(*item.block);
     if (block.under_way != 0 && block.under_way <= block.acked)
       no_longer_under_way(*outgoing, block);
     queue(*outgoing, *item.block, block);
@@ -289,31 +281,26 @@ void EvidenceSender::item_acked(const Cargo::Item& item) {
   if (outgoing->held()) leave(submaps_.find(item.sequence), true);
 }
 
-bool EvidenceSender::on_lost(std::uint32_t number) {
+void EvidenceSender::on_lost(std::uint32_t number) {
   const auto cargo = cargoes_.find(number);
-  if (cargo == cargoes_.end()) return false;
-  bool again = false;
-  for (const auto& item : cargo->second.items) again = item_lost(item, number) || again;
-  return again;
+  if (cargo == cargoes_.end()) return;
+  for (const auto& item : cargo->second.items) item_lost(item, number);
 }
 
-bool EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
+void EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
   Outgoing* outgoing = find(item.sequence);
-  if (outgoing == nullptr) return false;
+  if (outgoing == nullptr) return;
   if (!item.block) {
-    if (outgoing->head.carrier != number) return false;
-    outgoing->head.under_way = 0;
-    return outgoing->head_is_news();
+    if (outgoing->head.carrier == number) outgoing->head.under_way = 0;
+    return;
   }
   const auto found = outgoing->blocks.find(*item.block);
-  if (found == outgoing->blocks.end()) return false;
+  if (found == outgoing->blocks.end()) return;
   Block& block = found->second;
-  if (block.under_way == 0 || block.carrier != number) return false;
+  if (block.under_way == 0 || block.carrier != number) return;
   no_longer_under_way(*outgoing, block);
-  outgoing->again.insert(*item.block);
   block.last_sent = std::min(block.last_sent, round_turn_);  // It was not told in this round.
   queue(*outgoing, *item.block, block);
-  return true;
 }
 
 void EvidenceSender::on_refused(const Refusal& refusal) {
@@ -334,7 +321,6 @@ void EvidenceSender::on_session(bool forget_acked) {
   cargoes_.clear();
   for (auto& [sequence, outgoing] : submaps_) {
     outgoing.head.under_way = 0;
-    outgoing.again.clear();
     const bool name_is_forgotten = outgoing.head.newest.earlier.has_value();
     if (forget_acked || name_is_forgotten) outgoing.head.acked = 0;
     for (auto& [key, block] : outgoing.blocks) {
@@ -355,11 +341,6 @@ void EvidenceSender::queue(Outgoing& outgoing, const BlockKey& key, Block& block
   }
 }
 
-bool EvidenceSender::overtaken(const Outgoing& outgoing, const BlockKey& key) {
-  const Block& block = outgoing.blocks.at(key);
-  return block.under_way != 0 && outgoing.versions.version(key) > block.under_way;
-}
-
 void EvidenceSender::no_longer_under_way(Outgoing& outgoing, Block& block) {
   block.under_way = 0;
   --outgoing.blocks_under_way;
@@ -369,10 +350,7 @@ void EvidenceSender::no_longer_under_way(Outgoing& outgoing, Block& block) {
 
 bool EvidenceSender::has_news() const {
   return std::ranges::any_of(submaps_, [](const auto& entry) {
-    const Outgoing& outgoing = entry.second;
-    return outgoing.head_is_news() || !outgoing.waiting.empty() ||
-           std::ranges::any_of(outgoing.again,
-                               [&](const BlockKey& key) { return overtaken(outgoing, key); });
+    return entry.second.head_is_news() || !entry.second.waiting.empty();
   });
 }
 

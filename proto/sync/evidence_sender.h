@@ -95,8 +95,8 @@ class EvidenceSender {
   /// Also for a frame judged lost before, while its number is within Flight::kReach of the newest.
   void on_acked(std::uint32_t number);
   /// What frame `number` carried must be sent again (in its then newest form), in the round that
-  /// goes on. False when it need not: it was acknowledged meanwhile, or went again.
-  bool on_lost(std::uint32_t number);
+  /// goes on, or in the next when that has ended.
+  void on_lost(std::uint32_t number);
   /// The peer holds less than it acknowledged (it never acknowledges the frame it refused).
   void on_refused(const Refusal& refusal);
   /// The peer lost the common ground of the patches; what was under way comes to be lost.
@@ -146,9 +146,6 @@ class EvidenceSender {
     std::map<BlockKey, Block> blocks;
     std::set<Turn> waiting;  ///< Blocks to be sent: newer than acknowledged, not under way.
     std::size_t blocks_under_way = 0;
-    /// Lost, and nothing acknowledged since: what goes for a second time is late already, so what
-    /// changed meanwhile does not wait for its fate. [Limit: ≤ blocks]
-    std::set<BlockKey> again;
   };
   /// What a frame carried.
   struct Cargo {
@@ -173,12 +170,10 @@ class EvidenceSender {
   [[nodiscard]] std::vector<BlockKey> in_turn(const Outgoing& outgoing) const;
   void set_out(Outgoing& outgoing, const BlockUpdate& update, std::uint32_t number, Cargo& cargo);
   void item_acked(const Cargo::Item& item);
-  bool item_lost(const Cargo::Item& item, std::uint32_t number);
+  void item_lost(const Cargo::Item& item, std::uint32_t number);
   Outgoing* find(std::uint32_t sequence);
   /// Puts a block where it belongs: waiting when it has news and is not under way.
   static void queue(Outgoing& outgoing, const BlockKey& key, Block& block);
-  /// Whether it changed since it set out.
-  static bool overtaken(const Outgoing& outgoing, const BlockKey& key);
   static void no_longer_under_way(Outgoing& outgoing, Block& block);
 
   /// By sequence, those of earlier boots by a borrowed one: they come last. [Limit: ≤ kMaxSubmaps]

@@ -129,7 +129,6 @@ void RobotLink::begin_session(const Welcome& welcome) {
   spool_told_at_.reset();
   evidence_.on_session(other_store);
   round_open_ = false;
-  round_begun_ = false;
   round_due_ = {};
   reports_.on_session();
   if (request_) request_->transit.again();
@@ -231,8 +230,7 @@ void RobotLink::take(OrderDesk::Outcome outcome, std::vector<Order>& orders) {
 void RobotLink::lost(const std::vector<std::uint32_t>& numbers) {
   counters_.frames_lost += numbers.size();
   for (const std::uint32_t number : numbers) {
-    // What was lost does not wait for the next round: the link is not busy because it loses.
-    if (evidence_.on_lost(number) && round_begun_) round_open_ = true;
+    evidence_.on_lost(number);
     reports_.on_lost(number);
     digests_.on_lost(number);
     if (request_) request_->transit.on_lost(number);
@@ -374,7 +372,6 @@ void RobotLink::open_round_if_due(MonotonicTime now) {
   round_open_ = round_open_ && evidence_.round_has_news();
   if (round_open_ || now < round_due(now) || !evidence_.has_news()) return;
   round_open_ = true;
-  round_begun_ = true;
   evidence_.begin_round(flight_.last_number());
   round_due_ = now + config_.evidence_period;
 }

@@ -68,7 +68,7 @@ class RobotLink {
   /// A robot under way that heard nothing for so long asks for an acknowledgement with each pose.
   static constexpr Duration kAsksAfter = std::chrono::milliseconds(1800);
   static constexpr Duration kFirstHelloWait = std::chrono::milliseconds(300);
-  static constexpr Duration kMostHelloWait = std::chrono::milliseconds(1500);
+  static constexpr Duration kMostHelloWait = std::chrono::seconds(3);
   /// An acknowledgement waits this long for something to travel with …
   static constexpr Duration kAckDelay = std::chrono::milliseconds(25);
   /// … and one of map this long for more to acknowledge, of which there are at most so many.
@@ -200,7 +200,6 @@ class RobotLink {
   std::optional<SpoolReport> spool_told_;       ///< Last.
   std::optional<MonotonicTime> spool_told_at_;  ///< In this session.
   bool round_open_ = false;                     ///< Evidence is being sent.
-  bool round_begun_ = false;                    ///< Any, in this session.
   MonotonicTime round_due_{};
   LinkCounters counters_;
 };

@@ -77,7 +77,7 @@ class RobotLinkTest : public ::testing::Test {
 };
 
 TEST_F(RobotLinkTest, SaysHelloEverLessOftenUntilItIsWelcomed) {
-  for (const int wait_ms : {300, 600, 1200, 1500, 1500}) {
+  for (const int wait_ms : {300, 600, 1200, 2400, 3000, 3000}) {
     const auto frame = next();
     ASSERT_NE(find<Hello>(frame), nullptr);
     EXPECT_EQ(frame->header.session, 0U);
