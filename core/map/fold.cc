@@ -80,6 +80,57 @@ class Placement {
   std::int64_t sin_;
 };
 
+/// The submap's cells under one tile of the site, by their index there. Unturned, as most submaps
+/// are, all cells of a row lie in one row: so no division is spent on each.
+class CellsUnder {
+ public:
+  CellsUnder(const Placement& placement, const TileKey& key, bool turned)
+      : placement_(placement),
+        corner_{key.tx * Tile::kSize, key.ty * Tile::kSize},
+        turned_(turned) {
+    for (int i = 0; !turned && i < Tile::kSize; ++i) {
+      const CellIndex cell = placement.submap_cell({corner_.x + i, corner_.y + i});
+      x_.at(static_cast<std::size_t>(i)) = cell.x;
+      y_.at(static_cast<std::size_t>(i)) = cell.y;
+    }
+  }
+  [[nodiscard]] CellIndex operator()(int i) const {
+    const int x = i % Tile::kSize;
+    const int y = i / Tile::kSize;
+    if (turned_) return placement_.submap_cell({corner_.x + x, corner_.y + y});
+    return {x_[static_cast<std::size_t>(x)], y_[static_cast<std::size_t>(y)]};
+  }
+
+ private:
+  const Placement& placement_;
+  CellIndex corner_;
+  bool turned_;
+  std::array<std::int32_t, Tile::kSize> x_{};
+  std::array<std::int32_t, Tile::kSize> y_{};
+};
+
+/// Reads cells of which neighbours mostly lie in one tile.
+class CellReader {
+ public:
+  CellReader(const HeightMap& map, std::int8_t level)
+      : map_(map), at_{level, 0, 0}, tile_(map.find(at_)) {}
+
+  [[nodiscard]] Cell cell(CellIndex index) {
+    const TileKey key = HeightMap::tile_of(index, at_.level);
+    if (at_ != key) {
+      at_ = key;
+      tile_ = map_.find(key);
+    }
+    const int i = HeightMap::index_in_tile(index);
+    return tile_ == nullptr || !tile_->known(i) ? Cell{} : tile_->cell(i);
+  }
+
+ private:
+  const HeightMap& map_;
+  TileKey at_;
+  const Tile* tile_;
+};
+
 bool acceptable(const SubmapPose& pose) {
   const auto near = [](std::int64_t mm) { return std::abs(mm) * kHalfMm <= kMaxExtent; };
   return near(pose.x_mm) && near(pose.y_mm) && near(pose.z_mm);
@@ -166,12 +217,15 @@ bool fold_into_tile(std::optional<Tile>& tile, const TileKey& key, const Submap&
   if (!acceptable(submap.T_site_submap) || !placement.in_extent(key.tx, key.ty)) return false;
   const FoldRules rules(model);
   const std::int32_t z_mm = submap.T_site_submap.z_mm;
+  const CellsUnder cells_under(placement, key, submap.T_site_submap.yaw_1e4rad != 0);
+  CellReader seen_through(submap.seen_through, key.level);
+  CellReader surfaces(submap.surface, key.level);
   bool changed = false;
   for (int i = 0; i < Tile::kCells; ++i) {
-    const CellIndex from = placement.submap_cell(
-        {key.tx * Tile::kSize + i % Tile::kSize, key.ty * Tile::kSize + i / Tile::kSize});
-    const Cell seen = lifted(submap.seen_through.cell(from, key.level), z_mm);
-    const Cell surface = lifted(submap.surface.cell(from, key.level), z_mm);
+    const CellIndex from = cells_under(i);
+    const Cell seen = lifted(seen_through.cell(from), z_mm);
+    const Cell surface = lifted(surfaces.cell(from), z_mm);
+    if (!seen.known() && !surface.known()) continue;
     changed |= fold_cell(tile, key, i, seen, surface, rules);
   }
   return changed;

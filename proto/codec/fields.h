@@ -15,6 +15,20 @@
 /// for writing and reading alike.
 namespace cairn::proto {
 
+/// Signed numbers of either sign become small ones: 0, −1, 1, −2, …
+template <std::integral T>
+constexpr std::uint64_t zigzag(T value) {
+  if constexpr (std::is_unsigned_v<T>) return value;
+  const auto wide = static_cast<std::int64_t>(value);
+  return (static_cast<std::uint64_t>(wide) << 1U) ^ static_cast<std::uint64_t>(wide >> 63U);
+}
+template <std::integral T>
+constexpr T unzigzag(std::uint64_t coded) {
+  if constexpr (std::is_unsigned_v<T>) return static_cast<T>(coded);
+  return static_cast<T>(static_cast<std::int64_t>(coded >> 1U) ^
+                        -static_cast<std::int64_t>(coded & 1U));
+}
+
 /// Writes fields. What breaks a bound here is our own fault and asserted.
 class FieldWriter {
  public:
@@ -29,6 +43,17 @@ class FieldWriter {
     assert(value >= least && value <= most);
     (void)least, (void)most;
     out_.put(value);
+  }
+  /// Mostly small: seven bits a byte, the low ones first, the top bit set where more follow; signed
+  /// ones zigzag (0, −1, 1, −2, …).
+  template <std::integral T>
+  void compact(const char* /*name*/, T value, T least = std::numeric_limits<T>::min(),
+               T most = std::numeric_limits<T>::max()) {
+    assert(value >= least && value <= most);
+    (void)least, (void)most;
+    std::uint64_t left = zigzag(value);
+    for (; left >= 0x80; left >>= 7U) out_.put(static_cast<std::uint8_t>(left | 0x80U));
+    out_.put(static_cast<std::uint8_t>(left));
   }
   template <class E>
   requires std::is_enum_v<E>
@@ -93,6 +118,22 @@ class FieldReader {
               T most = std::numeric_limits<T>::max()) {
     value = in_.get<T>();
     require(name, value >= least && value <= most);
+  }
+  template <std::integral T>
+  void compact(const char* name, T& value, T least = std::numeric_limits<T>::min(),
+               T most = std::numeric_limits<T>::max()) {
+    std::uint64_t read = 0;
+    for (unsigned shift = 0;; shift += 7) {
+      const auto byte = in_.get<std::uint8_t>();
+      const std::uint64_t bits = byte & 0x7FU;
+      const bool needed = byte != 0 || shift == 0;
+      require(name, needed && shift < 64 && (bits << shift) >> shift == bits);
+      if (failed()) return;
+      read |= bits << shift;
+      if ((byte & 0x80U) == 0) break;
+    }
+    value = static_cast<T>(unzigzag<T>(read));
+    require(name, zigzag(value) == read && value >= least && value <= most);
   }
   template <class E>
   requires std::is_enum_v<E>

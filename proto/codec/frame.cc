@@ -133,4 +133,25 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes) {
   return crc.checksum();
 }
 
+std::optional<std::span<const std::uint8_t>> bare_frame(std::span<const std::uint8_t> frame,
+                                                        Direction direction) {
+  if (frame.size() < kFrameHeaderBytes + kChecksumBytes || !check_checksum(frame)) return {};
+  ByteReader in(frame);
+  const auto header = read_header(in, direction);
+  if (!header || header->session == 0) return {};
+  return frame.subspan(4, frame.size() - kFrameEndsBytes);
+}
+
+std::vector<std::uint8_t> whole_frame(std::span<const std::uint8_t> bare, Direction direction) {
+  std::vector<std::uint8_t> frame;
+  ByteWriter out(frame);
+  out.put(kMagic0);
+  out.put(kMagic1);
+  out.put(kProtocolVersion);
+  out.put(static_cast<std::uint8_t>(direction));
+  out.put_bytes(bare);
+  out.put(crc32c(frame));
+  return frame;
+}
+
 }  // namespace cairn::proto

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,7 +11,7 @@
 
 namespace cairn::proto {
 
-inline constexpr std::uint8_t kProtocolVersion = 5;
+inline constexpr std::uint8_t kProtocolVersion = 6;
 inline constexpr std::size_t kFrameHeaderBytes = 12;
 inline constexpr std::size_t kChecksumBytes = 4;
 /// Bounds what a frame can make the receiver allocate …
@@ -58,6 +59,17 @@ class FrameWriter {
 /// kMaxFrameRecords records. Patches are not looked into.
 [[nodiscard]] Result<Frame> decode_frame(std::span<const std::uint8_t> bytes,
                                          Direction expected_direction);
+
+/// What of a frame a carrier that knows its ends and finds damage itself must carry: all but magic,
+/// version, direction and checksum. Nullopt for what is no sound frame of a session: that is
+/// carried whole, so that an end that speaks another version can say so.
+[[nodiscard]] std::optional<std::span<const std::uint8_t>> bare_frame(
+    std::span<const std::uint8_t> frame, Direction direction);
+/// The whole frame again.
+[[nodiscard]] std::vector<std::uint8_t> whole_frame(std::span<const std::uint8_t> bare,
+                                                    Direction direction);
+/// [bytes] That a bare frame lacks.
+inline constexpr std::size_t kFrameEndsBytes = 4 + kChecksumBytes;
 
 /// CRC-32C (Castagnoli) as in iSCSI; CRC of "123456789" is 0xE3069283.
 [[nodiscard]] std::uint32_t crc32c(std::span<const std::uint8_t> bytes);

@@ -18,6 +18,11 @@ void coordinate(Io& io, const char* name, typename Io::template Ref<std::int32_t
 }
 
 template <class Io>
+void compact_coordinate(Io& io, const char* name, typename Io::template Ref<std::int32_t> value) {
+  io.template compact<std::int32_t>(name, value, -kMaxCoordinateMm, kMaxCoordinateMm);
+}
+
+template <class Io>
 void fields(Io& io, typename Io::template Ref<SubmapPose> r) {
   coordinate(io, "x", r.x_mm);
   coordinate(io, "y", r.y_mm);
@@ -50,17 +55,23 @@ void fields(Io& io, typename Io::template Ref<Hello> r) {
 
 template <class Io>
 void fields(Io& io, typename Io::template Ref<PoseReport> r) {
-  io.number("clock", r.clock_ms);
-  fields(io, r.T_site_robot);
-  io.number("roll", r.roll_1e4rad);
-  io.number("pitch", r.pitch_1e4rad);
-  io.number("sigma", r.sigma_mm);
-  io.number("speed", r.speed_mm_s);
+  // It travels every second: no byte more than it takes.
+  io.compact("clock", r.clock_ms);
+  compact_coordinate(io, "x", r.T_site_robot.x_mm);
+  compact_coordinate(io, "y", r.T_site_robot.y_mm);
+  compact_coordinate(io, "z", r.T_site_robot.z_mm);
+  io.template compact<std::int32_t>("yaw", r.T_site_robot.yaw_1e4rad, -kMaxYaw1e4rad,
+                                    kMaxYaw1e4rad);
+  io.compact("roll", r.roll_1e4rad);
+  io.compact("pitch", r.pitch_1e4rad);
+  io.compact("sigma", r.sigma_mm);
+  io.compact("speed", r.speed_mm_s);
   io.one_of("drive state", r.drive, DriveState::idle, DriveState::stopped);
   io.one_of("localization", r.localization, Localization::localized, Localization::lost);
-  io.number("command", r.command);
-  io.number("to go", r.to_go_mm);
-  io.number("backlog", r.backlog_blocks);
+  io.flag("asks", r.asks);
+  io.compact("command", r.command);
+  io.compact("to go", r.to_go_mm);
+  io.compact("backlog", r.backlog_blocks);
 }
 
 template <class Io>
@@ -237,8 +248,9 @@ void fields(Io& io, typename Io::template Ref<MapDigest> r) {
 
 template <class Io>
 void fields(Io& io, typename Io::template Ref<Ack> r) {
-  io.number("cumulative", r.cumulative);
-  io.number("bitmap", r.bitmap);
+  io.compact("cumulative", r.cumulative);
+  io.compact("bitmap", r.bitmap);
+  io.compact("delay", r.delay_ms);
 }
 
 template <class Io>

@@ -62,6 +62,7 @@ struct PoseReport {
   std::uint64_t command = 0;         ///< Command being carried out; 0 = none.
   std::uint32_t to_go_mm = 0;        ///< Distance left along the path.
   std::uint32_t backlog_blocks = 0;  ///< Evidence blocks not yet acknowledged.
+  bool asks = false;                 ///< For an acknowledgement: is the server still there?
   friend bool operator==(const PoseReport&, const PoseReport&) = default;
 };
 
@@ -326,8 +327,12 @@ struct MapCommit {
 /// Frames received: all up to `cumulative`, and cumulative + 2 + i for each set bit i. A robot's
 /// frame is acknowledged only when everything in it is durable.
 struct Ack {
+  /// It was told before how long the newest frame waited here, or there is none.
+  static constexpr std::uint16_t kDelayUnknown = 0xFFFF;
   std::uint32_t cumulative = 0;
   std::uint64_t bitmap = 0;
+  /// [ms] How long the newest of them that asked for an acknowledgement waited for it, saturating.
+  std::uint16_t delay_ms = 0;
   friend bool operator==(const Ack&, const Ack&) = default;
 };
 

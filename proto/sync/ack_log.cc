@@ -1,5 +1,8 @@
 #include "proto/sync/ack_log.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace cairn::proto {
 namespace {
 
@@ -8,8 +11,12 @@ constexpr std::uint64_t kReach = 65;
 
 }  // namespace
 
-void AckLog::done(std::uint32_t number) {
+void AckLog::done(std::uint32_t number, std::optional<MonotonicTime> arrived) {
   if (is_done(number)) return;
+  if (arrived && number > newest_) {
+    newest_ = number;
+    arrived_ = arrived;
+  }
   const std::uint64_t ahead = std::uint64_t{number} - ack_.cumulative;
   if (ahead > kReach) slide(ahead - kReach);
   const std::uint32_t place = number - ack_.cumulative;
@@ -18,6 +25,16 @@ void AckLog::done(std::uint32_t number) {
   } else {
     ack_.bitmap |= std::uint64_t{1} << (place - 2);
   }
+}
+
+Ack AckLog::tell(MonotonicTime now) {
+  Ack ack = ack_;
+  const auto arrived = std::exchange(arrived_, std::nullopt);
+  if (!arrived) return ack;
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(now - *arrived).count();
+  ack.delay_ms =
+      static_cast<std::uint16_t>(std::clamp<std::int64_t>(waited, 0, Ack::kDelayUnknown - 1));
+  return ack;
 }
 
 bool AckLog::is_done(std::uint32_t number) const {

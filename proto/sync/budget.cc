@@ -131,6 +131,7 @@ void Budget::on_round_trip(Duration round_trip, const Mark& frame, MonotonicTime
   const std::size_t longer = frame.bytes - std::min(frame.bytes, quick.bytes);
   const Duration own_time = from_seconds(static_cast<double>(longer) / std::max(rate_, carried_));
   const Duration excess = std::max(round_trip - quick.round_trip - own_time, Duration{});
+  if (excess < kNoQueue) on_return();
   note_excess(excess, frame, now);
   const MonotonicTime sent_at = now - round_trip;
   if (sent_at < changed_at_) return;  // It tells of another rate.
@@ -158,6 +159,7 @@ void Budget::pause(Duration length, MonotonicTime now) {
 void Budget::shrink(const Mark& newest, MonotonicTime now) {
   const double carried = std::min(capacity().value_or(kBlindShrink * rate_), rate_);
   carried_ = carried;
+  before_silence_ = 0.0;
   set_rate(kShrink * carried);
   // What was sent since the newest frame that arrived is on the way or in the queue.
   const auto outstanding = static_cast<double>(total() - newest.total);
@@ -178,7 +180,13 @@ void Budget::on_fate(std::size_t acknowledged, std::size_t lost, std::size_t fou
   for (std::size_t i = 0; i < lost; ++i) loss_ += (1.0 - loss_) * kLossMemory;
 }
 
+void Budget::on_return() {
+  if (before_silence_ > rate_) set_rate(before_silence_);
+  before_silence_ = 0.0;
+}
+
 void Budget::on_silence() {
+  before_silence_ = std::max(before_silence_, rate_);
   set_rate(std::max(rate_ * kSilenceShrink, std::min(rate_, config_.first_bit_s / 8.0)));
   starting_ = true;  // Whatever comes back may be another link.
 }

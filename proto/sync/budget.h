@@ -81,6 +81,8 @@ class Budget {
   void on_fate(std::size_t acknowledged, std::size_t lost, std::size_t found_again = 0);
   /// Frames timed out one after the other and nothing was acknowledged: the link may be away.
   void on_silence();
+  /// The peer is heard again: it is the link that it was, until a queue says otherwise.
+  void on_return();
 
   [[nodiscard]] double rate_bit_s() const { return rate_ * 8.0; }
   /// Estimated wait in the queues of the way, beyond the idle round trip.
@@ -115,11 +117,12 @@ class Budget {
   double balance_ = kLongestPacket;
   MonotonicTime balance_at_{};
   std::array<MonotonicTime, kTrafficKinds> sent_at_{};
-  bool used_up_ = false;        ///< Something had to wait since the last step.
-  bool starting_ = true;        ///< Grows boldly until a queue shows.
-  std::size_t steps_ = 0;       ///< Up, since a queue was seen.
-  double carried_ = 0.0;        ///< [bytes/s] Through the last queue that was seen; 0 = none yet.
-  MonotonicTime changed_at_{};  ///< What was sent before tells of another rate.
+  bool used_up_ = false;         ///< Something had to wait since the last step.
+  bool starting_ = true;         ///< Grows boldly until a queue shows.
+  std::size_t steps_ = 0;        ///< Up, since a queue was seen.
+  double carried_ = 0.0;         ///< [bytes/s] Through the last queue that was seen; 0 = none yet.
+  double before_silence_ = 0.0;  ///< [bytes/s] The rate then; 0 = there is none.
+  MonotonicTime changed_at_{};   ///< What was sent before tells of another rate.
   std::array<std::optional<Idle>, 2> idle_;  ///< Of this and of the last half memory.
   MonotonicTime idle_turn_{};
   std::array<Duration, 3> recent_{};  ///< Excess of the last round trips: jitter must not count.

@@ -299,6 +299,7 @@ void EvidenceSender::item_lost(const Cargo::Item& item, std::uint32_t number) {
   Block& block = found->second;
   if (block.under_way == 0 || block.carrier != number) return;
   no_longer_under_way(*outgoing, block);
+  block.last_sent = std::min(block.last_sent, round_turn_);  // It was not told in this round.
   queue(*outgoing, *item.block, block);
 }
 

@@ -81,8 +81,8 @@ class EvidenceSender {
   void set_view(const Viewpoint& view) { view_ = view; }
 
   /// Evidence sets out (again) after frame `last_number`: every block that now has news, once.
-  /// What changes or is lost meanwhile waits for the next round, so that on a slow link rounds
-  /// become longer and cells that change again and again travel less often.
+  /// What changes meanwhile waits for the next round, so that on a slow link rounds become longer
+  /// and cells that change again and again travel less often.
   void begin_round(std::uint32_t last_number);
 
   /// Adds what the peer lacks most to a frame numbered `number`, oldest submap first, after them
@@ -94,7 +94,8 @@ class EvidenceSender {
   int fill(FrameWriter& frame, std::uint32_t number);
   /// Also for a frame judged lost before, while its number is within Flight::kReach of the newest.
   void on_acked(std::uint32_t number);
-  /// What frame `number` carried must be sent again (in its then newest form).
+  /// What frame `number` carried must be sent again (in its then newest form), in the round that
+  /// goes on, or in the next when that has ended.
   void on_lost(std::uint32_t number);
   /// The peer holds less than it acknowledged (it never acknowledges the frame it refused).
   void on_refused(const Refusal& refusal);

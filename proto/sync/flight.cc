@@ -38,17 +38,17 @@ void Flight::sent(std::uint32_t number, Load load, const Budget::Mark& mark, Mon
 Flight::News Flight::on_ack(const Ack& ack, MonotonicTime now) {
   News news;
   if (ack.cumulative > last_number_) return news;
+  std::optional<Frames::value_type> newest;
   for (auto frame = frames_.begin(); frame != frames_.end();) {
     const auto here = frame++;
     if (!covers(ack, here->first)) continue;
-    news.round_trip = std::max(now - here->second.at, Duration::zero());
-    news.newest = here->second.mark;
+    newest.emplace(*here);
     news.acked.push_back(here->first);
     if (here->second.lost) ++news.found_again;
     acknowledge(here);
   }
-  if (news.round_trip) {
-    round_trip_.measured(*news.round_trip);
+  if (newest) measure(*newest, ack, now, news);
+  if (!news.acked.empty()) {
     backoff_ = 0;
     urgent_tries_ = 0;
   }
@@ -58,6 +58,19 @@ Flight::News Flight::on_ack(const Ack& ack, MonotonicTime now) {
     news.lost.push_back(number);
   }
   return news;
+}
+
+/// An acknowledgement that was overtaken, or repeats a lost one, says nothing about the link.
+void Flight::measure(const Frames::value_type& newest, const Ack& ack, MonotonicTime now,
+                     News& news) {
+  const auto& [number, sent] = newest;
+  if (number < newest_acked_ || ack.delay_ms == Ack::kDelayUnknown) return;
+  newest_acked_ = number;
+  const Duration answered = std::max(now - sent.at, Duration::zero());
+  round_trip_.measured(answered);
+  const Duration waited = std::chrono::milliseconds(ack.delay_ms);
+  news.round_trip = std::max(answered - waited, Duration::zero());
+  news.newest = sent.mark;
 }
 
 void Flight::acknowledge(Frames::iterator frame) {
@@ -103,6 +116,7 @@ void Flight::lose(Sent& frame) {
 void Flight::reset() {
   frames_.clear();
   last_number_ = 0;
+  newest_acked_ = 0;
   evidence_under_way_ = 0;
   backoff_ = 0;
   urgent_tries_ = 0;
@@ -138,7 +152,9 @@ std::optional<MonotonicTime> Flight::due() const {
 }
 
 Duration Flight::patience() const {
-  return std::min(round_trip_.timeout() * (1 << backoff_), RoundTrip::kMaxTimeout);
+  // On a link that answered before one frame lost, or its acknowledgement, is no silence yet.
+  const int doublings = round_trip_.smoothed() ? std::max(0, backoff_ - 1) : backoff_;
+  return std::min(round_trip_.timeout() * (1 << doublings), RoundTrip::kMaxTimeout);
 }
 
 Duration Flight::urgent_patience() const {

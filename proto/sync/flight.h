@@ -49,9 +49,11 @@ class Flight {
   struct News {
     std::vector<std::uint32_t> acked;
     std::vector<std::uint32_t> lost;
-    std::size_t found_again = 0;         ///< Of `acked`: had been judged lost.
-    std::optional<Duration> round_trip;  ///< Of the newest frame newly acknowledged …
-    Budget::Mark newest;                 ///< … and that frame.
+    std::size_t found_again = 0;  ///< Of `acked`: had been judged lost.
+    /// Of the newest frame, newly acknowledged, without the time that the peer took for it; none
+    /// when the peer did not say how long that was.
+    std::optional<Duration> round_trip;
+    Budget::Mark newest;  ///< That frame.
   };
   /// An acknowledgement of numbers never sent is ignored whole.
   News on_ack(const Ack& ack, MonotonicTime now);
@@ -84,6 +86,7 @@ class Flight {
   using Frames = std::map<std::uint32_t, Sent>;
 
   void acknowledge(Frames::iterator frame);
+  void measure(const Frames::value_type& newest, const Ack& ack, MonotonicTime now, News& news);
   void lose(Sent& frame);
   [[nodiscard]] MonotonicTime due(const Sent& frame) const;
   [[nodiscard]] Duration urgent_patience() const;
@@ -92,6 +95,7 @@ class Flight {
   int backoff_ = 0;       ///< Doublings of the timeout.
   int urgent_tries_ = 0;  ///< Urgent frames judged lost in a row.
   std::uint32_t last_number_ = 0;
+  std::uint32_t newest_acked_ = 0;
   Frames frames_;  ///< [Limit: ≤ kReach]
   RoundTrip round_trip_;
 };

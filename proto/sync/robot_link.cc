@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "proto/sync/rejection.h"
+
 namespace cairn::proto {
 namespace {
 
@@ -41,29 +43,6 @@ bool tells_more(const PoseReport& told, const PoseReport& next) {
          further_than(a.yaw_1e4rad, b.yaw_1e4rad, kStill1e4rad) || next.speed_mm_s != 0 ||
          told.drive != next.drive || told.localization != next.localization ||
          told.command != next.command || (told.backlog_blocks == 0) != (next.backlog_blocks == 0);
-}
-
-Error explain(const Reject& reject, const RobotLinkConfig& config) {
-  const std::string said = reject.text.empty() ? "" : " (server says: " + reject.text + ")";
-  switch (reject.reason) {
-    case RejectReason::robot_id_in_use:
-      return {ErrorCode::conflict, "another agent is robot '" + config.robot +
-                                       "' at this server; stop it or choose another id" + said};
-    case RejectReason::unknown_site:
-      return {ErrorCode::not_found, "the server has no site '" + config.site +
-                                        "'; correct the agent's site or found it first" + said};
-    case RejectReason::cell_size_differs:
-      return {ErrorCode::invalid_argument, "cells of " + std::to_string(config.cell_size_mm) +
-                                               " mm are not the site's; set the site's size" +
-                                               said};
-    case RejectReason::server_full:
-      return {ErrorCode::exhausted,
-              "the server takes no more robots; end another session or raise its bound" + said};
-    case RejectReason::bad_name:
-      return {ErrorCode::invalid_argument, "the server does not take the names '" + config.robot +
-                                               "', '" + config.site + "'; change them" + said};
-  }
-  return {ErrorCode::unavailable, "the server refused this robot" + said};
 }
 
 }  // namespace
@@ -121,6 +100,7 @@ void RobotLink::on_welcome(const Welcome& welcome, MonotonicTime now) {
   if (std::ranges::find(left_sessions_, welcome.session) != left_sessions_.end()) return;
   if (welcome.session == session_) {
     lost(flight_.lose_all());  // The link was away, the session is not.
+    budget_.on_return();
   } else {
     begin_session(welcome);
   }
@@ -165,7 +145,7 @@ void RobotLink::on_reject(const Reject& reject, MonotonicTime now) {
     if (now - *in_use_since_ < config_.in_use_patience) return;
   }
   phase_ = Phase::rejected;
-  rejected_ = explain(reject, config_);
+  rejected_ = explain(reject, config_.robot, config_.site, config_.cell_size_mm);
 }
 
 std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime now) {
@@ -174,6 +154,7 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
   if (phase_ == Phase::hello) {  // It was only silent.
     phase_ = Phase::connected;
     lost(flight_.lose_all());
+    budget_.on_return();
   }
   if (holds_order(frame)) acknowledge_by(now + kAckDelay);
   if (holds_map(frame)) {
@@ -184,7 +165,8 @@ std::vector<Order> RobotLink::on_session_frame(const Frame& frame, MonotonicTime
     ++counters_.frames_malformed;
     return {};
   }
-  received_.done(frame.header.number);
+  const bool elicits = holds_order(frame) || holds_map(frame);
+  received_.done(frame.header.number, elicits ? std::optional(now) : std::nullopt);
   std::vector<Order> orders;
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
@@ -304,7 +286,7 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
   const std::uint32_t number = flight_.next_number(out_of_reach);
   lost(out_of_reach);
   FrameWriter frame({.direction = Direction::up, .session = session_, .number = number});
-  if (ack_due_ && frame.add(received_.ack())) {
+  if (ack_due_ && frame.add(received_.tell(now))) {
     ack_due_.reset();
     map_unacked_ = 0;
   }
@@ -315,8 +297,10 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
     urgent = true;
   }
   const bool first_pose = pose_ && !told_;
+  if (pose_) pose_->asks = asks(now);
   const bool pose = pose_due && frame.add(*pose_);
   if (pose) {
+    if (pose_->asks && !unanswered_since_) unanswered_since_ = now;
     told_ = std::exchange(pose_, std::nullopt);
     told_at_ = now;
     add_spool_if_due(frame, now);
@@ -337,10 +321,18 @@ std::optional<std::vector<std::uint8_t>> RobotLink::session_frame(MonotonicTime 
   return finish(std::move(frame));
 }
 
+/// A robot that is on its way wants to know that the server is there.
+bool RobotLink::asks(MonotonicTime now) const {
+  const bool on_its_way = pose_->command != 0 || pose_->speed_mm_s != 0;
+  return on_its_way && (!heard_at_ || now - *heard_at_ >= kAsksAfter);
+}
+
 void RobotLink::add_spool_if_due(FrameWriter& frame, MonotonicTime now) {
-  if (!spool_) return;
+  if (!spool_ || (spool_told_at_ && spool_told_ == spool_)) return;
   const bool due = !spool_told_at_ || now - *spool_told_at_ >= config_.spool_period;
-  if (due && frame.add(*spool_)) spool_told_at_ = now;
+  if (!due || !frame.add(*spool_)) return;
+  spool_told_at_ = now;
+  spool_told_ = spool_;
 }
 
 std::optional<std::vector<std::uint8_t>> RobotLink::goodbye() {

@@ -65,6 +65,8 @@ class RobotLink {
  public:
   /// Silence from the server, with something unanswered, after which the robot says Hello again.
   static constexpr Duration kSilence = std::chrono::seconds(15);
+  /// A robot under way that heard nothing for so long asks for an acknowledgement with each pose.
+  static constexpr Duration kAsksAfter = std::chrono::milliseconds(1800);
   static constexpr Duration kFirstHelloWait = std::chrono::milliseconds(300);
   static constexpr Duration kMostHelloWait = std::chrono::seconds(3);
   /// An acknowledgement waits this long for something to travel with …
@@ -139,6 +141,7 @@ class RobotLink {
 
   std::optional<std::vector<std::uint8_t>> hello_frame(MonotonicTime now);
   std::optional<std::vector<std::uint8_t>> session_frame(MonotonicTime now);
+  [[nodiscard]] bool asks(MonotonicTime now) const;
   void add_spool_if_due(FrameWriter& frame, MonotonicTime now);
   [[nodiscard]] bool silent_too_long(MonotonicTime now) const;
   /// Requires: a pose waits.
@@ -194,6 +197,7 @@ class RobotLink {
   std::optional<PoseReport> told_;  ///< Sent last in this session.
   MonotonicTime told_at_{};
   std::optional<SpoolReport> spool_;
+  std::optional<SpoolReport> spool_told_;       ///< Last.
   std::optional<MonotonicTime> spool_told_at_;  ///< In this session.
   bool round_open_ = false;                     ///< Evidence is being sent.
   MonotonicTime round_due_{};

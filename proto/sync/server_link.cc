@@ -49,11 +49,13 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
   std::vector<Event> events;
   Evidence evidence{.number = number, .heads = {}, .blocks = {}, .earlier = {}};
   bool answer_soon = false;  ///< Whatever evidence there is.
+  bool asked = false;        ///< Whether this end is there.
   for (const Record& record : frame.records) {
     if (const auto* ack = std::get_if<Ack>(&record)) on_ack(*ack, now);
     if (const auto* head = std::get_if<SubmapHead>(&record)) evidence.heads.push_back(*head);
     if (const auto* bye = std::get_if<Bye>(&record)) events.emplace_back(*bye);
     if (const auto* pose = std::get_if<PoseReport>(&record)) {
+      asked = pose->asks;
       if (take(*pose, now)) events.emplace_back(*pose);
     }
     if (const auto* spool = std::get_if<SpoolReport>(&record)) events.emplace_back(*spool);
@@ -73,10 +75,14 @@ std::vector<ServerLink::Event> ServerLink::on_frame(const Frame& frame, std::siz
   if (!read_patches(frame, evidence.blocks) || !name_earlier(evidence)) return events;
   const bool eager = elicits_ack(evidence, answer_soon);
   if (!evidence.heads.empty() || !evidence.blocks.empty()) {
+    lone_ = !evidence_at_ || now - *evidence_at_ > kLoneAfter;
+    evidence_at_ = now;
+    arrived_[number] = now;
+    if (arrived_.size() > kMaxUncommitted) arrived_.erase(arrived_.begin());
     events.emplace_back(std::move(evidence));
   } else {
-    done_.done(number);
-    acknowledge_by(now + (eager ? RobotLink::kAckDelay : kLazyAckDelay));
+    done_.done(number, eager ? std::optional(now) : std::nullopt);
+    acknowledge_by(now + (eager || asked ? RobotLink::kAckDelay : kLazyAckDelay));
   }
   return events;
 }
@@ -175,9 +181,11 @@ bool ServerLink::take(const CommandReport& report, std::uint32_t number) {
 }
 
 void ServerLink::durable(std::uint32_t number) {
-  done_.done(number);
+  const auto arrived = arrived_.extract(number);
+  done_.done(number, arrived ? std::optional(arrived.mapped()) : std::nullopt);
   const bool many = ++durable_unacked_ >= RobotLink::kMostMapUnacked;
-  acknowledge_by(many ? heard_at_ : heard_at_ + RobotLink::kMapAckDelay);
+  const Duration wait = lone_ ? RobotLink::kAckDelay : RobotLink::kMapAckDelay;
+  acknowledge_by(many ? heard_at_ : heard_at_ + wait);
 }
 
 void ServerLink::refuse(const Refusal& refusal) {
@@ -244,7 +252,7 @@ std::vector<std::uint8_t> ServerLink::session_frame(MonotonicTime now) {
   }
   const bool command =
       orders_.fill_command(frame, number, in_robot_clock(orders_.expires_at()), now);
-  if (ack_due_ && frame.add(done_.ack())) {
+  if (ack_due_ && frame.add(done_.tell(now))) {
     ack_due_.reset();
     durable_unacked_ = 0;
   }

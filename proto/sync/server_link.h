@@ -27,9 +27,11 @@ namespace cairn::proto {
 /// Evidence is handed up frame by frame; the owner commits it and then says `durable(number)`.
 class ServerLink {
  public:
-  /// Frames that ask for no acknowledgement get one within this time: the robot's sign that the
-  /// server is there.
-  static constexpr Duration kLazyAckDelay = std::chrono::seconds(1);
+  /// Frames that ask for no acknowledgement get one within this time.
+  static constexpr Duration kLazyAckDelay = std::chrono::seconds(4);
+  /// Evidence after such a break is acknowledged without waiting for more: most likely none comes.
+  static constexpr Duration kLoneAfter = std::chrono::milliseconds(250);
+  static constexpr std::size_t kMaxUncommitted = 128;  ///< [frames] Whose arrival is remembered.
   static constexpr std::size_t kMaxRefusals = 256;  ///< Waiting; more are dropped, it asks again.
 
   /// Requires: session ≠ 0, never used before for this robot's boot; a valid budget.
@@ -142,7 +144,11 @@ class ServerLink {
   AckLog received_;
   AckLog done_;
   std::optional<MonotonicTime> ack_due_;
-  int durable_unacked_ = 0;  ///< [frames] Since the last acknowledgement.
+  /// Of frames with evidence that is not durable yet. [Limit: ≤ kMaxUncommitted]
+  std::map<std::uint32_t, MonotonicTime> arrived_;
+  std::optional<MonotonicTime> evidence_at_;  ///< Arrived last.
+  bool lone_ = false;                         ///< It had none shortly before it.
+  int durable_unacked_ = 0;                   ///< [frames] Since the last acknowledgement.
   std::uint32_t highest_number_ = 0;
   MonotonicTime heard_at_;
 

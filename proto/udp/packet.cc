@@ -25,6 +25,8 @@ std::size_t least_bytes(PacketType type) {
     case PacketType::unknown:
       return kUnknownBytes;
     case PacketType::data:
+    case PacketType::data_up:
+    case PacketType::data_down:
       return kDataBytes;
   }
   return 0;
@@ -40,7 +42,7 @@ UdpBytes rest_of(ByteReader& reader) {
 std::optional<PacketType> packet_type(std::span<const std::uint8_t> packet) {
   if (packet.empty()) return std::nullopt;
   const auto type = static_cast<PacketType>(packet[0]);
-  if (type < PacketType::first || type > PacketType::data) return std::nullopt;
+  if (type < PacketType::first || type > PacketType::data_down) return std::nullopt;
   return type;
 }
 
@@ -137,13 +139,17 @@ UdpBytes unknown_packet(std::uint32_t session) {
   return packet;
 }
 
-UdpBytes data_head(std::uint32_t session, std::uint64_t counter) {
-  UdpBytes head = typed(PacketType::data);
+UdpBytes data_head(std::uint32_t session, std::uint64_t counter, PacketType type) {
+  UdpBytes head = typed(type);
   ByteWriter writer(head);
   writer.put(session);
   writer.put(static_cast<std::uint16_t>(counter & 0xFFFFU));
   writer.put(static_cast<std::uint8_t>((counter >> 16U) & 0xFFU));
   return head;
+}
+
+bool is_data(std::span<const std::uint8_t> packet) {
+  return packet_type(packet).value_or(PacketType::first) >= PacketType::data;
 }
 
 bool is_greeting(std::span<const std::uint8_t> frame) {

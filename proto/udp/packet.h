@@ -17,7 +17,15 @@ using KeyId = std::array<std::uint8_t, 8>;
 
 inline constexpr std::uint8_t kUdpVersion = 1;
 
-enum class PacketType : std::uint8_t { first = 1, second = 2, stale = 3, unknown = 4, data = 5 };
+enum class PacketType : std::uint8_t {
+  first = 1,
+  second = 2,
+  stale = 3,
+  unknown = 4,
+  data = 5,
+  data_up = 6,    ///< A robot's frame without its ends (see bare_frame).
+  data_down = 7,  ///< A server's.
+};
 
 inline constexpr std::size_t kFirstHeadBytes = 2 + sizeof(KeyId);
 inline constexpr std::size_t kSecondHeadBytes = 1 + 4;
@@ -66,7 +74,10 @@ struct Stale {
 
 [[nodiscard]] UdpBytes unknown_packet(std::uint32_t session);
 
-[[nodiscard]] UdpBytes data_head(std::uint32_t session, std::uint64_t counter);
+/// Of one of the types of data.
+[[nodiscard]] UdpBytes data_head(std::uint32_t session, std::uint64_t counter,
+                                 PacketType type = PacketType::data);
+[[nodiscard]] bool is_data(std::span<const std::uint8_t> packet);
 
 /// A frame that belongs to no session of the layer above: it only says who is there. Nothing else
 /// may travel before keys with forward secrecy are agreed.

@@ -5,14 +5,15 @@
 #include <optional>
 
 #include "proto/carrier.h"
+#include "proto/codec/frame.h"
 #include "proto/udp/endpoint.h"
 #include "proto/udp/robot_end.h"
 #include "proto/udp/socket.h"
 
 namespace cairn::proto {
 
-/// [bytes] IPv4 20, UDP 8, head 8, tag 16.
-inline constexpr std::size_t kUdpOverheadBytes = 28 + kDataBytes;
+/// [bytes] IPv4 20, UDP 8, head 8, tag 16, less what stays at home of a frame.
+inline constexpr std::size_t kUdpOverheadBytes = 28 + kDataBytes - kFrameEndsBytes;
 
 /// A robot's end of the UDP carrier. Sends from any free port, so its own address may change as it
 /// likes; the server's name is looked up again when no answer comes.

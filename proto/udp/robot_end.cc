@@ -101,7 +101,7 @@ std::optional<UdpBytes> UdpRobotEnd::on_packet(std::span<const std::uint8_t> pac
   const auto type = packet_type(packet);
   if (!type || !named_session(packet)) return refuse();
   if (*type == PacketType::second) return on_second(packet, now);
-  if (*type == PacketType::data) return on_data(packet, now);
+  if (is_data(packet)) return on_data(packet, now);
   if (*type == PacketType::stale) on_stale(packet, now);
   if (*type == PacketType::unknown) on_unknown(packet, now);
   return std::nullopt;

@@ -50,7 +50,7 @@ std::optional<Datagram> UdpServerEnd::on_packet(std::span<const std::uint8_t> pa
                                                 const Address& from, MonotonicTime now) {
   const auto type = packet_type(packet);
   if (type == PacketType::first) return on_first(packet, from, now);
-  if (type == PacketType::data && named_session(packet)) return on_data(packet, from, now);
+  if (is_data(packet) && named_session(packet)) return on_data(packet, from, now);
   return refuse();
 }
 

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "proto/codec/frame.h"
+
 namespace cairn::proto {
 namespace {
 
@@ -21,20 +23,33 @@ std::uint32_t low_counter(std::span<const std::uint8_t> packet) {
          (std::uint32_t{packet[kAt + 2]} << 16U);
 }
 
+struct Content {
+  PacketType type;
+  std::span<const std::uint8_t> bytes;
+};
+
+/// The seal says what a frame's ends say: they stay at home.
+Content content_of(std::span<const std::uint8_t> frame) {
+  if (const auto up = bare_frame(frame, Direction::up)) return {PacketType::data_up, *up};
+  if (const auto down = bare_frame(frame, Direction::down)) return {PacketType::data_down, *down};
+  return {PacketType::data, frame};
+}
+
 }  // namespace
 
 UdpBytes UdpSession::seal(std::span<const std::uint8_t> frame) {
   const std::uint64_t counter = next_counter_++;
-  UdpBytes packet = data_head(peer_, counter);
-  packet.resize(kDataBytes + frame.size());
-  crypto_aead_chacha20poly1305_ietf_encrypt(packet.data() + kDataHeadBytes, nullptr, frame.data(),
-                                            frame.size(), packet.data(), kDataHeadBytes, nullptr,
-                                            nonce_of(counter).data(), sending_.data());
+  const Content content = content_of(frame);
+  UdpBytes packet = data_head(peer_, counter, content.type);
+  packet.resize(kDataBytes + content.bytes.size());
+  crypto_aead_chacha20poly1305_ietf_encrypt(
+      packet.data() + kDataHeadBytes, nullptr, content.bytes.data(), content.bytes.size(),
+      packet.data(), kDataHeadBytes, nullptr, nonce_of(counter).data(), sending_.data());
   return packet;
 }
 
 std::optional<UdpSession::Opened> UdpSession::open(std::span<const std::uint8_t> packet) {
-  if (packet_type(packet) != PacketType::data || named_session(packet) != own_) return std::nullopt;
+  if (!is_data(packet) || named_session(packet) != own_) return std::nullopt;
   const std::uint64_t counter = window_.expand(low_counter(packet));
   if (!window_.is_new(counter)) return std::nullopt;
   Opened opened;
@@ -46,6 +61,9 @@ std::optional<UdpSession::Opened> UdpSession::open(std::span<const std::uint8_t>
     return std::nullopt;
   }
   opened.newest = window_.accept(counter);
+  const auto type = packet_type(packet);
+  if (type == PacketType::data_up) opened.frame = whole_frame(opened.frame, Direction::up);
+  if (type == PacketType::data_down) opened.frame = whole_frame(opened.frame, Direction::down);
   return opened;
 }
 

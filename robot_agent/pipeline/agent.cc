@@ -157,7 +157,8 @@ void Agent::compare_maps(MonotonicTime clock) {
     if (!digests.empty()) digests.back().last = true;
   } else if (digests.size() > kSome) {
     next_digest_ = (next_digest_ + kSome) % digests.size();
-    std::ranges::rotate(digests, digests.begin() + static_cast<std::ptrdiff_t>(next_digest_));
+    std::rotate(digests.begin(), digests.begin() + static_cast<std::ptrdiff_t>(next_digest_),
+                digests.end());
     digests.resize(kSome);
   }
   link_.tell_digests(std::move(digests), clock);

@@ -170,8 +170,7 @@ void SubmapWriter::tell_noted() {
 void SubmapWriter::tell_patient() {
   std::ranges::sort(patient_, std::less<>{},
                     [](CellIndex cell) { return std::pair(cell.y, cell.x); });
-  const auto again = std::ranges::unique(patient_);
-  patient_.erase(again.begin(), again.end());
+  patient_.erase(std::unique(patient_.begin(), patient_.end()), patient_.end());
   std::erase_if(patient_,
                 [this](CellIndex cell) { return worth_of(cell) == News::Worth::nothing; });
   tell(std::exchange(patient_, {}));

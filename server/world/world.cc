@@ -233,14 +233,25 @@ void World::mark_dirty_tiles(const LiveSubmap& submap, const BlockKey& key) {
   dirty_tiles_.insert(tiles.begin(), tiles.end());
 }
 
-std::shared_ptr<const PackedTile> World::overlaid(const TileKey& key) const {
+std::map<TileKey, std::vector<const LiveSubmap*>> World::live_over_dirty() const {
+  std::map<TileKey, std::vector<const LiveSubmap*>> over;
+  for (const TileKey& key : dirty_tiles_) over[key];
+  for (const auto& [id, submap] : live_) {
+    for (const TileKey& key : submap.site_tiles()) {
+      if (const auto found = over.find(key); found != over.end()) found->second.push_back(&submap);
+    }
+  }
+  return over;
+}
+
+std::shared_ptr<const PackedTile> World::overlaid(
+    const TileKey& key, const std::vector<const LiveSubmap*>& submaps) const {
   const auto base = base_.find(key);
   std::optional<Tile> tile;
   if (base != base_.end()) tile = base->second->unpack();
   bool changed = false;
-  for (const auto& [id, submap] : live_) {
-    if (!submap.site_tiles().contains(key)) continue;
-    changed |= fold_into_tile(tile, key, submap.submap(), model_);
+  for (const LiveSubmap* submap : submaps) {
+    changed |= fold_into_tile(tile, key, submap->submap(), model_);
   }
   if (!changed) return base != base_.end() ? base->second : nullptr;
   return std::make_shared<const PackedTile>(PackedTile::pack(*tile));
@@ -253,8 +264,8 @@ void World::publish() {
       snapshot_ ? std::make_shared<MapSnapshot>(*snapshot_) : std::make_shared<MapSnapshot>();
   next->version = log_sequence_;
   next->cell_size_mm = store_->site().cell_size_mm;
-  for (const TileKey& key : dirty_tiles_) {
-    std::shared_ptr<const PackedTile> tile = overlaid(key);
+  for (const auto& [key, submaps] : live_over_dirty()) {
+    std::shared_ptr<const PackedTile> tile = overlaid(key, submaps);
     if (tile && tile->known_count() > 0) {
       next->tiles[key] = std::move(tile);
     } else {

@@ -121,7 +121,10 @@ class World {
   [[nodiscard]] std::vector<SubmapId> next_to_fold() const;
   /// Folds complete submaps into the transaction's tiles; returns their ids.
   std::vector<SubmapId> fold_complete(Transaction& transaction);
-  std::shared_ptr<const PackedTile> overlaid(const TileKey& key) const;
+  /// The live submaps over each tile that is to be published, in their order.
+  [[nodiscard]] std::map<TileKey, std::vector<const LiveSubmap*>> live_over_dirty() const;
+  [[nodiscard]] std::shared_ptr<const PackedTile> overlaid(
+      const TileKey& key, const std::vector<const LiveSubmap*>& submaps) const;
 
   struct Merged {
     SubmapRow row;

@@ -243,7 +243,7 @@ void World::add_tiles(const MapNeed& need, const ToldMap& told, PreparedOffer& p
   ledger_.for_each(look);
   for (const TileKey& key : told.differs) look(key);  // The server may never have had one.
   std::ranges::sort(wanted);
-  wanted.erase(std::ranges::unique(wanted).begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   if (wanted.size() > proto::MapSender::kMaxTiles) wanted.resize(proto::MapSender::kMaxTiles);
   const std::uint32_t holds = folded_up_to(need.boot);
   for (const auto& [distance_m, key] : wanted) {

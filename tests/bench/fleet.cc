@@ -36,7 +36,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 namespace asio = boost::asio;
 
-constexpr std::size_t kOverhead = 52;
+constexpr std::size_t kOverhead = 44;
 
 /// Both ways between the hub and all robots, in memory.
 class Ether : public proto::Carrier {

@@ -179,7 +179,7 @@ void measure_patrol(Report& report) {
   }
 }
 
-constexpr std::size_t kUdpOverhead = 52;
+constexpr std::size_t kUdpOverhead = 44;
 constexpr std::size_t kDdsOverhead = 92;
 
 void measure_stops(const Options& options, Report& report) {

@@ -27,7 +27,7 @@ class VirtualSite {
     std::string world = "room";
     std::uint64_t seed = 1;
     test::ChannelConfig radio;
-    std::size_t overhead_bytes = 52;  ///< Of udp://; dds:// has 92.
+    std::size_t overhead_bytes = 44;  ///< Of udp://; dds:// has 92.
     double max_speed_m_s = 0.6;
     bool spool = false;
   };

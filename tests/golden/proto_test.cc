@@ -8,7 +8,7 @@
 #include "proto/codec/frame.h"
 #include "tests/support/sample_records.h"
 
-/// The bytes of one frame of each kind, as version 5 of the protocol fixes them: they may only
+/// The bytes of one frame of each kind, as version 6 of the protocol fixes them: they may only
 /// change together with kProtocolVersion and PROTOCOL.md.
 namespace cairn::proto {
 namespace {
@@ -31,7 +31,7 @@ std::vector<std::uint8_t> unhex(const std::string& text) {
 }
 
 std::string golden(const std::string& name) {
-  std::ifstream in(std::string(CAIRN_GOLDEN_DIR) + "/proto/v5_" + name + ".hex");
+  std::ifstream in(std::string(CAIRN_GOLDEN_DIR) + "/proto/v6_" + name + ".hex");
   return {std::istreambuf_iterator<char>(in), {}};
 }
 

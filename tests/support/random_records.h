@@ -59,7 +59,7 @@ class RandomRecords {
       case 19:
         return digest();
       default:
-        return Ack{whole<std::uint32_t>(), whole<std::uint64_t>()};
+        return Ack{whole<std::uint32_t>(), whole<std::uint64_t>(), whole<std::uint16_t>()};
     }
   }
 
@@ -155,7 +155,7 @@ class RandomRecords {
             whole<std::uint16_t>(), whole<std::int16_t>(),
             pick<DriveState>(0, 3), pick<Localization>(0, 2),
             whole<std::uint64_t>(), whole<std::uint32_t>(),
-            whole<std::uint32_t>()};
+            whole<std::uint32_t>(), percent(50)};
   }
   SubmapHead head() {
     SubmapHead head{between<std::uint32_t>(0, kFirstBorrowedSequence - 1),

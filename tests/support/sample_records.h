@@ -100,8 +100,8 @@ inline std::vector<Sample> sample_records() {
       {"submap_move", down, SubmapMove{3, 7, {1'040, -980, 25, 15'720}}},
       {"map_commit", down, MapCommit{3, 2}},
       {"ground_lost", down, GroundLost{1}},
-      {"ack_up", up, Ack{300, 0x5}},
-      {"ack_down", down, Ack{41, 0x8000000000000000}},
+      {"ack_up", up, Ack{300, 0x5, 40}},
+      {"ack_down", down, Ack{41, 0x8000000000000000, 40}},
   };
 }
 

@@ -172,5 +172,27 @@ TEST(Frame, LongerThanAFrameMayBeIsRefused) {
   EXPECT_FALSE(decode_frame(signed_again(bytes), Direction::up));
 }
 
+TEST(BareFrame, IsTheFrameWithoutWhatItsCarrierKnows) {
+  FrameWriter writer({.direction = Direction::up, .session = 7, .number = 9});
+  writer.add(Bye{});
+  const auto whole = std::move(writer).finish();
+  const auto bare = bare_frame(whole, Direction::up);
+  ASSERT_TRUE(bare);
+  EXPECT_EQ(bare->size(), whole.size() - kFrameEndsBytes);
+  EXPECT_EQ(whole_frame(*bare, Direction::up), whole);
+}
+
+TEST(BareFrame, IsNotMadeOfWhatMustBeRefusedOrTellsItsVersion) {
+  FrameWriter greeting({.direction = Direction::up, .session = 0, .number = 1});
+  greeting.add(Hello{"rover", "quarry", 7, 125, 0});
+  EXPECT_FALSE(bare_frame(std::move(greeting).finish(), Direction::up));
+  FrameWriter writer({.direction = Direction::up, .session = 7, .number = 9});
+  writer.add(Bye{});
+  auto frame = std::move(writer).finish();
+  EXPECT_FALSE(bare_frame(frame, Direction::down));
+  frame.back() ^= 1U;
+  EXPECT_FALSE(bare_frame(frame, Direction::up));
+}
+
 }  // namespace
 }  // namespace cairn::proto

@@ -47,6 +47,7 @@ Bytes i32(std::int32_t value) {
   return out;
 }
 Bytes zeros(std::size_t count) { return Bytes(count, 0); }
+std::vector<std::uint8_t> ones(std::size_t count) { return std::vector<std::uint8_t>(count, 0xFF); }
 
 const Bytes kTooFar = i32(kMaxCoordinateMm + 1);
 const Bytes kTooFarWest = i32(-kMaxCoordinateMm - 1);
@@ -60,12 +61,15 @@ const std::vector<Breach> kBreaches = {
     {"SiteNameEndsInsideTheRecord", "hello", 8, {255}, "hello: site"},
     {"CellsAreAtLeastTenMillimetres", "hello", 23, {9, 0}, "hello: cell size"},
     {"CellsAreAtMostTwoMetres", "hello", 23, {0xD1, 0x07}, "hello: cell size"},
-    {"PoseXIsBounded", "pose_report", 8, kTooFar, "pose report: x"},
-    {"PoseYIsBounded", "pose_report", 12, kTooFarWest, "pose report: y"},
-    {"PoseZIsBounded", "pose_report", 16, kTooFar, "pose report: z"},
-    {"PoseYawIsBounded", "pose_report", 20, i32(31417), "pose report: yaw"},
-    {"PoseYawIsBoundedBelow", "pose_report", 20, i32(-31417), "pose report: yaw"},
-    {"DriveStateIsKnown", "pose_report", 32, {4}, "pose report: drive state"},
+    {"PoseClockIsANumber", "pose_report", 0, ones(11), "pose report: clock"},
+    {"PoseClockIsNotLongerThanNeeded", "pose_report", 0, {0xC0, 0x80, 0x00}, "pose report: clock"},
+    {"PoseXIsBounded", "pose_report", 3, {0x82, 0x84, 0xAF, 0x5F}, "pose report: x"},
+    {"PoseYIsBounded", "pose_report", 6, {0x81, 0x84, 0xAF, 0x5F}, "pose report: y"},
+    {"PoseZIsBounded", "pose_report", 8, {0x82, 0x84, 0xAF, 0x5F}, "pose report: z"},
+    {"PoseYawIsBounded", "pose_report", 10, {0xF2, 0xEA, 0x03}, "pose report: yaw"},
+    {"PoseYawIsBoundedBelow", "pose_report", 10, {0xF1, 0xEA, 0x03}, "pose report: yaw"},
+    {"DriveStateIsKnown", "pose_report", 20, {4}, "pose report: drive state"},
+    {"LocalizationIsKnown", "pose_report", 21, {3}, "pose report: localization"},
     {"HeadVersionsBeginAtOne", "submap_head", 4, zeros(4), "submap head: version"},
     {"HeadXIsBounded", "submap_head", 8, kTooFar, "submap head: x"},
     {"HeadYawIsBounded", "submap_head", 20, i32(40000), "submap head: yaw"},

@@ -147,6 +147,17 @@ TEST(Budget, StaysBetweenFloorAndCeiling) {
   EXPECT_EQ(silent.rate_bit_s(), 8'000) << "whoever says nothing has not said that it is thin";
 }
 
+TEST(Budget, AfterASilenceTheLinkIsWhatItWas) {
+  PacedLink world(5, {.rate_bit_s = 64'000});
+  world.run(seconds(60));
+  const double before = world.budget.rate_bit_s();
+  ASSERT_GT(before, 30'000);
+  for (int i = 0; i < 5; ++i) world.budget.on_silence();
+  EXPECT_LT(world.budget.rate_bit_s(), 10'000);
+  world.budget.on_return();
+  EXPECT_EQ(world.budget.rate_bit_s(), before);
+}
+
 TEST(Budget, DoesNotGrowOnARateThatIsNotUsed) {
   Budget budget;
   const double before = budget.rate_bit_s();

@@ -191,7 +191,7 @@ TEST_F(EvidenceSenderTest, ARoundSendsEachBlockOnceAndTheNextOneWhatChangedMeanw
   EXPECT_EQ(block(fill(4)).version, 2U);
 }
 
-TEST_F(EvidenceSenderTest, WhatIsLostGoesWithTheNextRound) {
+TEST_F(EvidenceSenderTest, WhatIsLostDoesNotWaitForTheNextRound) {
   sender.begin(7, {}, 125);
   see({0, 0});
   EXPECT_EQ(block(fill(1)).version, 1U);
@@ -199,11 +199,11 @@ TEST_F(EvidenceSenderTest, WhatIsLostGoesWithTheNextRound) {
   see({0, 0}, 300);
   sender.begin_round(1);
   (void)fill(2);
-  sender.on_lost(2);
   EXPECT_FALSE(sender.round_has_news());
-  EXPECT_TRUE(sender.has_news());
-  sender.begin_round(2);
+  sender.on_lost(2);
+  EXPECT_TRUE(sender.round_has_news());
   EXPECT_EQ(block(fill(3)).version, 2U);
+  EXPECT_FALSE(sender.round_has_news());
 }
 
 TEST_F(EvidenceSenderTest, WhatChangedNearTheRobotGoesFirst) {

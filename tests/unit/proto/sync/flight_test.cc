@@ -73,6 +73,28 @@ TEST_F(FlightTest, AnAcknowledgementRestoresPatience) {
   EXPECT_LT(flight.patience(), seconds(1));
 }
 
+TEST_F(FlightTest, OnALinkThatAnsweredOneLossIsNoSilence) {
+  send(1);
+  (void)flight.on_ack({1, 0}, milliseconds(600));
+  const Duration patience = flight.patience();
+  send(1, seconds(1));
+  EXPECT_FALSE(flight.on_time(seconds(1) + patience).empty());
+  EXPECT_EQ(flight.patience(), patience);
+  send(1, seconds(5));
+  EXPECT_FALSE(flight.on_time(seconds(5) + patience).empty());
+  EXPECT_EQ(flight.patience(), 2 * patience);
+}
+
+TEST_F(FlightTest, WhatThePeerWaitedIsNoneOfTheLinks) {
+  send(1);
+  EXPECT_EQ(flight.on_ack({1, 0, 100}, milliseconds(600)).round_trip, milliseconds(500));
+  EXPECT_EQ(flight.round_trip().smoothed(), milliseconds(600)) << "what a timeout must wait for";
+  send(1, seconds(1));
+  const auto news = flight.on_ack({2, 0, Ack::kDelayUnknown}, seconds(4));
+  EXPECT_EQ(news.acked, Numbers{2});
+  EXPECT_FALSE(news.round_trip) << "the acknowledgement before it was lost";
+}
+
 TEST_F(FlightTest, EverLessIsSaidIntoSilence) {
   MonotonicTime now{};
   send(1, now);

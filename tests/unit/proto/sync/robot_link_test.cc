@@ -132,24 +132,44 @@ TEST_F(RobotLinkTest, ARobotThatStandsSaysSoRarelyUntilItMoves) {
   EXPECT_NE(find<PoseReport>(next()), nullptr);
 }
 
-TEST_F(RobotLinkTest, ThePoseTakesTheStateOfTheSpoolAlongEveryFewSeconds) {
+TEST_F(RobotLinkTest, ThePoseTakesTheStateOfTheSpoolAlongWhenItChangedEveryFewSeconds) {
   welcome();
-  link.set_spool({false, 3, 4'000, 1, 0});
   int told = 0;
-  for (int second = 0; second < 20; ++second) {
+  for (int second = 0; second < 40; ++second) {
+    const std::uint64_t bytes = second < 20 ? 4'000 + static_cast<unsigned>(second) : 4'019;
+    link.set_spool({false, 3, bytes, 1, 0});
+    link.on_frame(down(5, static_cast<std::uint32_t>(second) + 2, {Ack{0, 0}}), now);
     PoseReport pose;
     pose.speed_mm_s = 500;
     pose.clock_ms = static_cast<std::uint64_t>(second);
     link.set_pose(pose);
     const auto frame = next();
     if (const auto* spool = find<SpoolReport>(frame)) {
-      EXPECT_EQ(*spool, (SpoolReport{false, 3, 4'000, 1, 0}));
+      EXPECT_EQ(*spool, (SpoolReport{false, 3, bytes, 1, 0}));
       EXPECT_NE(find<PoseReport>(frame), nullptr);
       ++told;
     }
     now += seconds(1);
   }
-  EXPECT_EQ(told, 4);
+  EXPECT_EQ(told, 5) << "four times as it changes, then as it stays";
+}
+
+TEST_F(RobotLinkTest, ARobotUnderWayAsksWhetherTheServerIsThere) {
+  welcome();
+  PoseReport pose;
+  pose.speed_mm_s = 500;
+  for (const bool asks : {false, false, true, true}) {
+    pose.clock_ms += 1'000;
+    link.set_pose(pose);
+    const auto frame = next();
+    ASSERT_NE(find<PoseReport>(frame), nullptr);
+    EXPECT_EQ(find<PoseReport>(frame)->asks, asks) << pose.clock_ms;
+    now += seconds(1);
+  }
+  link.on_frame(down(5, 2, {Ack{2, 0}}), now);
+  pose.clock_ms += 1'000;
+  link.set_pose(pose);
+  EXPECT_FALSE(find<PoseReport>(next())->asks);
 }
 
 TEST_F(RobotLinkTest, ReportsAndPoseLeaveInAShortFrameBeforeEvidence) {

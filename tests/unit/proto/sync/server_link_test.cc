@@ -92,9 +92,10 @@ TEST_F(ServerLinkTest, FramesMayBecomeDurableInAnyOrder) {
   now += RobotLink::kMapAckDelay;
   link.durable(3);
   link.durable(1);
-  EXPECT_EQ(*find<Ack>(next()), (Ack{1, 0b1}));
+  const auto delay_ms = static_cast<std::uint16_t>(RobotLink::kMapAckDelay / milliseconds(1));
+  EXPECT_EQ(*find<Ack>(next()), (Ack{1, 0b1, delay_ms}));
   link.durable(2);
-  EXPECT_EQ(*find<Ack>(next()), (Ack{3, 0}));
+  EXPECT_EQ(*find<Ack>(next()), (Ack{3, 0, Ack::kDelayUnknown})) << "the newest was told before";
 }
 
 TEST_F(ServerLinkTest, PosesAreAcknowledgedLazily) {
@@ -104,6 +105,14 @@ TEST_F(ServerLinkTest, PosesAreAcknowledgedLazily) {
   now += ServerLink::kLazyAckDelay;
   EXPECT_NE(find<Ack>(next()), nullptr);
   EXPECT_FALSE(next());
+}
+
+TEST_F(ServerLinkTest, APoseThatAsksIsAnsweredAtOnce) {
+  drain();
+  PoseReport asking = pose(2'000);
+  asking.asks = true;
+  (void)arrive(1, {asking});
+  EXPECT_EQ(link.next_due(now), now + RobotLink::kAckDelay);
 }
 
 TEST_F(ServerLinkTest, AnOlderPoseThanTheNewestIsNoEvent) {

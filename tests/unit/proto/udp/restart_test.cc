@@ -105,7 +105,7 @@ TEST_F(UdpEnds, AGreetingInALiveSessionTravelsInIt) {
   (void)robot->send(greeting(2), now);
   const auto up = take_up();
   ASSERT_THAT(up, SizeIs(1));
-  EXPECT_EQ(packet_type(up[0]), PacketType::data);
+  EXPECT_TRUE(is_data(up[0]));
 }
 
 TEST_F(UdpEnds, KeysAreRenewedWithoutAGap) {

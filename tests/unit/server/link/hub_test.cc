@@ -170,7 +170,9 @@ TEST_F(HubTest, RefusesASecondAgentUnderARunningOnesName) {
   say("a", hello(7));
   const auto welcome = hear<proto::Welcome>("a");
   ASSERT_TRUE(welcome);
-  say("a", proto::PoseReport{}, welcome->session);
+  proto::PoseReport pose;
+  pose.asks = true;
+  say("a", pose, welcome->session);
   ASSERT_TRUE(hear<proto::Ack>("a"));
   say("b", hello(8));
   const auto reject = hear<proto::Reject>("b");
