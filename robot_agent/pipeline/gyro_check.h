@@ -18,14 +18,18 @@ class GyroCheck {
   void move(double turned_rad, double dt_s) {
     turned_rad_ += std::abs(turned_rad);
     time_s_ += dt_s;
+    if (dt_s > 0.0) rate_rad_s_ = std::abs(turned_rad) / dt_s;
   }
   [[nodiscard]] bool believes(double correction_rad) const {
     constexpr double kSigmas = 3.0;
     constexpr double kLeastRad = 0.004;  // Of a sweep's match.
+    constexpr double kApartS = 0.04;     // A sweep and the newest motion reading, one sigma.
+    const double apart_rad = kApartS * rate_rad_s_;
     const double scale_rad = config_.yaw_sigma_per_rad * turned_rad_;
     const double wander_rad2 = std::pow(config_.yaw_sigma_rad_per_sqrt_s, 2) * time_s_;
     return std::abs(corrected_rad_ + correction_rad) <=
-           kSigmas * std::sqrt(scale_rad * scale_rad + wander_rad2 + kLeastRad * kLeastRad);
+           kSigmas * std::sqrt(scale_rad * scale_rad + wander_rad2 + kLeastRad * kLeastRad +
+                               apart_rad * apart_rad);
   }
   void corrected(double correction_rad) { corrected_rad_ += correction_rad; }
 
@@ -34,6 +38,7 @@ class GyroCheck {
   double turned_rad_ = 0.0;
   double time_s_ = 0.0;
   double corrected_rad_ = 0.0;
+  double rate_rad_s_ = 0.0;
 };
 
 }  // namespace cairn::agent
