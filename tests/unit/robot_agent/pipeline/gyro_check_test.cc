@@ -21,6 +21,14 @@ TEST(GyroCheck, DoesNotBelieveTurnsThatTheGyroWouldHaveSeen) {
   EXPECT_FALSE(check.believes(radians(-1.5)));
 }
 
+TEST(GyroCheck, AllowsForASweepThatIsALittleOlderThanTheMotionOfATurningRobot) {
+  GyroCheck check{DeadReckoningConfig{}};
+  check.move(radians(1.5), 0.05);
+  EXPECT_TRUE(check.believes(radians(1.5)));
+  check.move(0.0, 0.05);
+  EXPECT_FALSE(check.believes(radians(1.5))) << "it stands";
+}
+
 TEST(GyroCheck, SumsUpSmallTurnsUntilItBeginsAnew) {
   GyroCheck check{DeadReckoningConfig{}};
   int believed = 0;
