@@ -61,10 +61,11 @@ std::vector<SubmapGraph::Candidate> SubmapGraph::candidates_of(std::size_t from,
   const LoopMatchConfig& match = config_.match;
   const Footprint& mine = nodes_[from].footprint;
   std::vector<Candidate> candidates;
+  if (nodes_[from].cells < config_.min_cells) return candidates;
   const double limit_m = 2.0 * std::hypot(match.max_reach_m, 5.0 * match.max_yaw_rad);
   for (const Relation& relation : ties.from(from, places(), limit_m)) {
     const Footprint& theirs = nodes_[relation.node].footprint;
-    if (relation.node == from || theirs.empty()) continue;
+    if (relation.node == from || nodes_[relation.node].cells < config_.min_cells) continue;
     const Eigen::Matrix4d covariance =
         covariance_at(theirs.middle_m(), relation.T_from_node, relation.covariance);
     const PlaceSigma sigma = sigma_of(covariance);

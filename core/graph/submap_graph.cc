@@ -84,8 +84,9 @@ Status SubmapGraph::add_submap(SubmapNode node) {
   Footprint footprint(*node.surface);
   index_.emplace(node.id, i);
   Faces faces(*node.surface);
-  nodes_.push_back({node.id, std::move(node.surface), std::move(footprint), std::move(faces), place,
-                    node.T_site_submap});
+  const std::size_t cells = node.surface->known_count();
+  nodes_.push_back({node.id, std::move(node.surface), std::move(footprint), std::move(faces), cells,
+                    place, node.T_site_submap});
   waits_.push_back(true);
   to_search_.push_back(i);
   return {};

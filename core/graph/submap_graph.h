@@ -109,6 +109,9 @@ struct SubmapGraphConfig {
   /// closely: matching them would tell nothing.
   double tied_m = 0.06;
   double tied_rad = 0.008;
+  /// [1] A submap of fewer known cells lies where its links have it: so little, as of news from
+  /// ground that was known, fits in many places.
+  std::size_t min_cells = 500;
   /// [1] Candidates tried per submap and round, best first.
   std::size_t max_candidates = 6;
   std::uint32_t max_tries = 3;  ///< Per pair; a further one only when its places are known better.
@@ -169,6 +172,7 @@ class SubmapGraph {
     std::shared_ptr<const HeightMap> surface;
     Footprint footprint;
     Faces faces;
+    std::size_t cells = 0;  ///< Known ones.
     LevelPose T_site_submap;
     LevelPose reported;
   };

@@ -14,12 +14,19 @@ News::News(const NewsConfig& config, const SensorModel& model)
   }
 }
 
-News::Worth News::worth(const Cell& known, const Cell& seen_through, const Cell& surface) const {
-  const Cell after = rules_.after_surface(rules_.after_seen_through(known, seen_through), surface);
+Cell News::folded(const Cell& known, const Cell& seen_through, const Cell& surface) const {
+  return rules_.after_surface(rules_.after_seen_through(known, seen_through), surface);
+}
+
+News::Worth News::worth(const Cell& known, const Cell& after, std::int32_t ground_mm) const {
   const bool stands = after.probability >= config_.stands;
   if (!known.known()) return stands ? Worth::little : Worth::nothing;
   if (!after.known()) return Worth::little;
   const std::int64_t higher_mm = std::int64_t{after.height_mm} - known.height_mm;
+  const std::int64_t lower_mm = std::min(after.height_mm, known.height_mm);
+  if (lower_mm - ground_mm > tolerance_mm_ && std::abs(higher_mm) < config_.standing_mm) {
+    return Worth::nothing;
+  }
   if (higher_mm > tolerance_mm_) return stands ? Worth::much : Worth::nothing;
   const double belief = std::abs(belief_.at(after.probability) - belief_.at(known.probability));
   const bool same = std::abs(higher_mm) < config_.height_mm && belief < config_.doubt;

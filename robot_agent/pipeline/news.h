@@ -20,6 +20,9 @@ struct NewsConfig {
   std::uint8_t stands = 200;
   /// [mm] A surface that would come to lie this much higher or lower is news.
   int height_mm = 20;
+  /// [mm] What stood above the ground beside it and still does, no more than this higher or lower,
+  /// is no news: where its edge lies in a cell decides which of its heights is seen there.
+  int standing_mm = 400;
   /// [s] What is no change of the world, only known better, may wait as long.
   double patience_s = 5.0;
 };
@@ -30,13 +33,16 @@ class News {
   /// Requires: a sound model.
   News(const NewsConfig& config, const SensorModel& model);
 
+  /// What the long-term map makes of a cell once this evidence is folded in.
+  [[nodiscard]] Cell folded(const Cell& known, const Cell& seen_through, const Cell& surface) const;
+
   enum class Worth : std::uint8_t {
     nothing,  ///< It agrees with the map.
     little,   ///< Known better, or for the first time.
     much,     ///< Something stands where nothing stood, or is gone.
   };
-  /// What this evidence would make of a cell of the long-term map, once folded in.
-  [[nodiscard]] Worth worth(const Cell& known, const Cell& seen_through, const Cell& surface) const;
+  /// Of a cell becoming `after`. `ground_mm`: the lowest known beside it.
+  [[nodiscard]] Worth worth(const Cell& known, const Cell& after, std::int32_t ground_mm) const;
 
  private:
   NewsConfig config_;

@@ -176,22 +176,33 @@ void SubmapWriter::tell_patient() {
   tell(std::exchange(patient_, {}));
 }
 
-/// Of what was told already, a change is news as it would be without a map.
+/// What the evidence makes of the long-term map, against what the evidence told so far makes of it.
+/// Where the map knows nothing, all of it is.
 News::Worth SubmapWriter::worth_of(CellIndex cell) const {
   if (telling_ == Telling::all) return News::Worth::much;
-  const Cell surface = surface_.cell(cell);
-  const Cell seen_through = seen_through_.cell(cell);
+  const Cell known = reference_.cell(cell);
+  const Cell seen_told = open_->seen_through.cell(cell);
   const Cell surface_told = open_->surface.cell(cell);
-  const Cell seen_through_told = open_->seen_through.cell(cell);
-  if (!surface_told.known() && !seen_through_told.known()) {
-    const News::Worth worth = news_.worth(reference_.cell(cell), seen_through, surface);
-    return worth != News::Worth::nothing && is_of_its_edge(cell) ? News::Worth::nothing : worth;
+  const bool told = seen_told.known() || surface_told.known();
+  if (told && !known.known()) return News::Worth::little;
+  const Cell before = news_.folded(known, seen_told, surface_told);
+  const Cell after = news_.folded(known, seen_through_.cell(cell), surface_.cell(cell));
+  const News::Worth worth = news_.worth(before, after, ground_beside_mm(cell, after));
+  if (worth == News::Worth::nothing || told) return worth;
+  return is_of_its_edge(cell) ? News::Worth::nothing : worth;
+}
+
+/// [mm] The lowest the map knows within two cells; `own` where it knows nothing.
+std::int32_t SubmapWriter::ground_beside_mm(CellIndex cell, const Cell& own) const {
+  constexpr int kBeside = 2;
+  std::int32_t lowest_mm = own.height_mm;
+  for (int dy = -kBeside; dy <= kBeside; ++dy) {
+    for (int dx = -kBeside; dx <= kBeside; ++dx) {
+      const Cell beside = reference_.cell({cell.x + dx, cell.y + dy});
+      if (beside.known()) lowest_mm = std::min(lowest_mm, beside.height_mm);
+    }
   }
-  const Cell stood = surface_told.known() ? surface_told : reference_.cell(cell);
-  const bool rises = surface.known() && (!stood.known() || surface.height_mm - stood.height_mm >
-                                                               config_.sensor_model.tolerance_mm);
-  return rises && surface.probability >= config_.news.stands ? News::Worth::much
-                                                             : News::Worth::little;
+  return lowest_mm;
 }
 
 /// Whether what the robot sees there is what it knows right beside: where it is, and where a cell

@@ -53,6 +53,7 @@ class SubmapWriter {
   void tell_noted();
   void tell_patient();
   [[nodiscard]] News::Worth worth_of(CellIndex cell) const;
+  [[nodiscard]] std::int32_t ground_beside_mm(CellIndex cell, const Cell& own) const;
   [[nodiscard]] bool is_of_its_edge(CellIndex cell) const;
   void tell(const std::vector<CellIndex>& cells);
   void tell(EvidenceLayer layer, const std::vector<CellIndex>& cells);

@@ -10,11 +10,12 @@ namespace {
 constexpr Cell kUnknown{};
 constexpr Cell kSureFloor{0, 250};
 constexpr Cell kSureBox{400, 250};
+constexpr std::int32_t kGroundMm = 0;
 
 class WhatIsNews : public ::testing::Test {
  protected:
   [[nodiscard]] News::Worth worth(const Cell& known, const Cell& seen, const Cell& surface) const {
-    return news_.worth(known, seen, surface);
+    return news_.worth(known, news_.folded(known, seen, surface), kGroundMm);
   }
   const SensorModel model_;
   const News news_{{}, model_};
@@ -60,6 +61,16 @@ TEST_F(WhatIsNews, SomethingThatWasSeenThroughIsNews) {
 
 TEST_F(WhatIsNews, SomethingThatWasSeenThroughAndStillStandsIsNone) {
   EXPECT_EQ(worth(kSureBox, {0, 250}, {400, 250}), News::Worth::nothing);
+}
+
+TEST_F(WhatIsNews, AStandingThingsOtherHeightsAreNoneUnlessTheyAreFarOff) {
+  EXPECT_EQ(worth(kSureBox, {250, 250}, {270, 250}), News::Worth::nothing);
+  EXPECT_EQ(worth(kSureBox, kUnknown, {700, 250}), News::Worth::nothing);
+  EXPECT_EQ(worth(kSureBox, kUnknown, {900, 250}), News::Worth::much);
+}
+
+TEST_F(WhatIsNews, AThingThatSankToTheGroundIs) {
+  EXPECT_EQ(worth(kSureBox, {60, 250}, {100, 250}), News::Worth::little);
 }
 
 }  // namespace
