@@ -29,11 +29,6 @@ ChainLink chain_link(const SubmapId& id, const SubmapLink& link) {
   return chain;
 }
 
-bool differ(const SubmapPose& a, const SubmapPose& b, double m, double rad) {
-  const Eigen::Vector4d apart = difference(to_level(a), to_level(b));
-  return apart.head<3>().norm() > m || std::abs(apart[3]) > rad;
-}
-
 }  // namespace
 
 GraphKeeper::GraphKeeper(const asio::any_io_executor& executor, Tell tell)
@@ -118,7 +113,7 @@ void GraphKeeper::report() {
   GraphFindings findings;
   if (improved_) {
     findings.moves = moves();
-    if (!worth_moving(findings.moves)) findings.moves.clear();
+    if (!any_worth_moving(findings.moves)) findings.moves.clear();
   }
   add_news(graph_.found(), findings);
   telling_ = true;
@@ -167,10 +162,10 @@ std::vector<std::pair<SubmapId, SubmapPose>> GraphKeeper::moves() const {
   return moves;
 }
 
-bool GraphKeeper::worth_moving(const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const {
-  return std::ranges::any_of(moves, [this](const auto& move) {
-    return differ(move.second, world_.at(move.first), kWorthMovingM, kWorthMovingRad);
-  });
+bool GraphKeeper::any_worth_moving(
+    const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const {
+  return std::ranges::any_of(
+      moves, [this](const auto& move) { return worth_moving(world_.at(move.first), move.second); });
 }
 
 }  // namespace cairn::server

@@ -34,10 +34,6 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
 
   /// [registrations] Between them the strand serves others; each takes up to 50 ms.
   static constexpr int kSlice = 4;
-  /// Submaps move only when one of them would by this much, about a quarter of a cell: each move
-  /// folds tiles anew and travels to robots.
-  static constexpr double kWorthMovingM = 0.03;
-  static constexpr double kWorthMovingRad = 0.003;
   /// Between two moves: what is found meanwhile moves together.
   static constexpr std::chrono::seconds kMovePeriod{10};
 
@@ -50,7 +46,8 @@ class GraphKeeper : public std::enable_shared_from_this<GraphKeeper> {
   /// What the store does not have yet of what was found.
   void add_news(const FoundLoops& found, GraphFindings& findings) const;
   void remember(const GraphFindings& told);
-  [[nodiscard]] bool worth_moving(const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const;
+  [[nodiscard]] bool any_worth_moving(
+      const std::vector<std::pair<SubmapId, SubmapPose>>& moves) const;
 
   void report_in_time();
 

@@ -21,4 +21,9 @@ SubmapPose to_submap_pose(const LevelPose& pose) {
           static_cast<std::int32_t>(std::lround(wrap_angle(pose.yaw_rad) * 1e4))};
 }
 
+bool worth_moving(const SubmapPose& from, const SubmapPose& to) {
+  const Eigen::Vector4d apart = difference(to_level(from), to_level(to));
+  return apart.head<3>().norm() > kWorthMovingM || std::abs(apart[3]) > kWorthMovingRad;
+}
+
 }  // namespace cairn::server

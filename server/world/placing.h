@@ -10,4 +10,10 @@ namespace cairn::server {
 /// Coordinates are cut at the bound of the wire.
 [[nodiscard]] SubmapPose to_submap_pose(const LevelPose& pose);
 
+/// Submaps move only when one of them would by this much, about a quarter of a cell: each move
+/// folds tiles anew and travels to robots.
+constexpr double kWorthMovingM = 0.03;
+constexpr double kWorthMovingRad = 0.003;
+[[nodiscard]] bool worth_moving(const SubmapPose& from, const SubmapPose& to);
+
 }  // namespace cairn::server

@@ -18,13 +18,13 @@
 #include <variant>
 #include <vector>
 
-#include "core/graph/submap_graph.h"
 #include "core/localization/match_raster.h"
 #include "robot_agent/input/carmen_line.h"
 #include "robot_agent/input/carmen_log.h"
 #include "robot_agent/input/log_lines.h"
 #include "robot_agent/pipeline/mapper.h"
 #include "robot_agent/pipeline/submap_frame.h"
+#include "tests/bench/closure.h"
 #include "tests/bench/relations.h"
 #include "tests/bench/report.h"
 #include "tests/support/data_folder.h"
@@ -160,55 +160,6 @@ std::vector<Stamped> raw_track(const Run& run, double first_s) {
   }
   return poses;
 }
-
-/// The submaps as the server hands them to the pose graph, one after the other as they are closed;
-/// then where it has them.
-class Closure {
- public:
-  Status add(const Submap& submap) {
-    SubmapNode node{.id = submap.id,
-                    .T_site_submap = level(agent::pose_of(submap.T_site_submap)),
-                    .surface = std::make_shared<HeightMap>(submap.surface),
-                    .link = std::nullopt};
-    if (submap.link) {
-      const SubmapLink& link = *submap.link;
-      const Eigen::Vector4d sigma(link.sigma_xy_mm / 1e3, link.sigma_xy_mm / 1e3,
-                                  link.sigma_z_mm / 1e3, link.sigma_yaw_1e4rad / 1e4);
-      node.link = ChainLink{{submap.id.boot, submap.id.sequence - 1},
-                            level(agent::pose_of(link.T_previous_submap)),
-                            sigma.cwiseAbs2().asDiagonal()};
-    }
-    if (Status added = graph_.add_submap(std::move(node)); !added) return added;
-    return search();
-  }
-
-  [[nodiscard]] SubmapPose place(SubmapId id) const {
-    return agent::rounded(upright(*graph_.place(id)));
-  }
-  [[nodiscard]] int compared() const { return compared_; }
-  [[nodiscard]] std::size_t loops() const {
-    const auto edges = graph_.edges();
-    return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [](const auto& e) {
-      return e.kind == EdgeKind::loop && e.status == EdgeStatus::accepted;
-    }));
-  }
-
- private:
-  Status search() {
-    constexpr int kSlice = 64;
-    while (true) {
-      const LoopSearch found = graph_.find_loops(kSlice);
-      compared_ += found.registrations;
-      if (found.accepted > 0) {
-        if (auto moved = graph_.optimise(); !moved) return moved.error();
-      }
-      if (found.done) return {};
-    }
-  }
-
-  SubmapGraph graph_;
-  int compared_ = 0;
-};
 
 Status close_loops(Run& run) {
   const std::clock_t start = std::clock();

@@ -10,6 +10,7 @@
 
 #include "core/planner/corridor.h"
 #include "server/mission/planning.h"
+#include "server/world/placing.h"
 
 namespace cairn::bench {
 namespace {
@@ -46,7 +47,10 @@ struct Extent {
 SoloRobot::SoloRobot(std::unique_ptr<agent::Input> input, const HeightMap* given)
     : input_(std::move(input)),
       mapper_(agent::MapperConfig{}, input_->lasers(), input_->start(), 1, evidence_) {
-  if (given == nullptr) return;
+  if (given == nullptr) {
+    closure_ = std::make_unique<Closure>();
+    return;
+  }
   std::vector<agent::GivenTile> tiles;
   for (const auto& [key, tile] : given->tiles()) tiles.push_back({key, *tile, 0});
   mapper_.take_tiles(tiles);
@@ -124,10 +128,33 @@ void SoloRobot::step() {
     if (const auto* motion = std::get_if<MotionReading>(&reading)) mapper_.take_motion(*motion);
     if (const auto* scan = std::get_if<Scan>(&reading)) mapper_.take_scan(*scan);
   }
+  if (closure_) straighten();
   driver_.set_localization(mapper_.localization(), mapper_.localization_why());
   input_->drive(driver_.step(
       mapper_.pose(), [this](CellIndex cell) { return mapper_.cell(cell); }, mapper_.cell_size_mm(),
       mapper_.sensor_model().min_probability, now_, Duration{}));
+}
+
+/// As a server's graph keeper does, at once.
+void SoloRobot::straighten() {
+  const Submap* const open = mapper_.open_submap();
+  if (open == nullptr || open->id.sequence <= closed_ + 1) return;
+  const std::uint32_t newest = open->id.sequence - 1;
+  std::vector<std::pair<std::uint32_t, SubmapPose>> moves;
+  bool worth_moving = false;
+  while (closed_ < newest) {
+    const Submap* const closed = mapper_.replica().find(++closed_);
+    if (closed != nullptr) (void)closure_->add(*closed);
+  }
+  for (std::uint32_t sequence = 1; sequence <= newest; ++sequence) {
+    const Submap* const closed = mapper_.replica().find(sequence);
+    if (closed == nullptr || !closure_->holds(closed->id)) continue;
+    const SubmapPose& lies = closed->T_site_submap;
+    const SubmapPose place = closure_->place(closed->id);
+    if (place != lies) moves.emplace_back(sequence, place);
+    worth_moving = worth_moving || server::worth_moving(lies, place);
+  }
+  if (worth_moving) mapper_.move_submaps(moves);
 }
 
 void SoloRobot::follow_reports(const Eigen::Vector2d& goal_m, bool watched, Trip& trip) {

@@ -13,6 +13,7 @@
 #include "robot_agent/drive/driver.h"
 #include "robot_agent/input/input.h"
 #include "robot_agent/pipeline/mapper.h"
+#include "tests/bench/closure.h"
 
 namespace cairn::bench {
 
@@ -21,7 +22,7 @@ namespace cairn::bench {
 /// whenever it is blocked, anew.
 class SoloRobot {
  public:
-  /// `given` may be null: nothing is known.
+  /// `given` may be null: nothing is known, and its own submaps are laid anew where loops close.
   SoloRobot(std::unique_ptr<agent::Input> input, const HeightMap* given);
 
   struct Trip {
@@ -58,6 +59,7 @@ class SoloRobot {
   void give_corridor(const proto::RobotLink::Order& order, const DrivableGrid& known,
                      const Eigen::Vector2d& goal_m);
   void step();
+  void straighten();
   void look(const Eigen::Vector2d& goal_m, const Enough& enough, Trip& trip);
   void give_up(Trip& trip);
   void follow_reports(const Eigen::Vector2d& goal_m, bool watched, Trip& trip);
@@ -66,6 +68,8 @@ class SoloRobot {
   proto::EvidenceSender evidence_;
   agent::Mapper mapper_;
   agent::Driver driver_{agent::DriverConfig{}};
+  std::unique_ptr<Closure> closure_;  ///< Null with a given map.
+  std::uint32_t closed_ = 0;          ///< The newest submap that went into it.
   MonotonicTime now_{};
   std::uint64_t command_ = 0;
   bool ended_ = false;
