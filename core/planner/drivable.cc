@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/map/hidden_steps.h"
 #include "core/planner/trulla.h"
 
 namespace cairn {
@@ -116,6 +117,7 @@ std::string why_too_near(const DrivableGrid& grid, double clearance_m) {
 DrivableGrid make_drivable(HeightGrid heights, const PlannerConfig& config, WeightLayer weights) {
   DrivableGrid grid{std::move(heights), {}, {}, config.limits, {}, std::move(weights), {}};
   grid.classes = classify(grid.heights, config.limits);
+  mark_hidden_steps(grid.heights, config.limits, grid.classes);
   grid.open.resize(grid.classes.size());
   const bool enter_unknown = config.unknown == UnknownGround::allowed;
   std::transform(grid.classes.begin(), grid.classes.end(), grid.open.begin(), [&](CellClass c) {

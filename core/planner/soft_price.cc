@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/map/hidden_steps.h"
 #include "core/map/soft_ground.h"
 #include "core/planner/trulla.h"
 
@@ -124,7 +125,7 @@ int reach_of_change(const DrivableGrid& grid, const PlannerConfig& config) {
   const double cells =
       std::max({config.limits.radius_m / cell_m(grid), 1.0 * farthest_closeness(grid, config),
                 looks_at_shape(config) ? config.soft.wheel_base_m / cell_m(grid) : 0.0});
-  return 1 + kSplitStepReach + static_cast<int>(cells);
+  return 1 + std::max(kSplitStepReach, kHiddenStepReach) + static_cast<int>(cells);
 }
 
 void price_softly(DrivableGrid& grid, const PlannerConfig& config) {

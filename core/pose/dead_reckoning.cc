@@ -15,6 +15,12 @@ constexpr double kTimeConstantsToSettle = 3.0;
 // Rate of the observer's filters in units of 1/τ; SettlingObserver's docstring tells what it buys.
 constexpr double kObserverRate = 4.0;
 
+// Between two readings wheels that stand tell no more than this; the body has come to rest a while
+// after them.
+constexpr double kStandsM = 1e-4;
+constexpr double kStandsRad = 1e-4;
+constexpr double kSettledS = 0.5;
+
 bool acceptable(const MotionReading& r) {
   return std::isfinite(r.odometer_x_m) && std::isfinite(r.odometer_y_m) &&
          std::isfinite(r.odometer_yaw_rad) && std::isfinite(r.gyro_yaw_rate_rad_s) &&
@@ -61,6 +67,7 @@ double SettlingObserver::update(double reading_rad, double dt_s) {
 DeadReckoning::DeadReckoning(const DeadReckoningConfig& config, const Pose& T_site_robot)
     : config_(config),
       pose_(T_site_robot),
+      gyro_(config.gyro),
       roll_(config.inclinometer_settling_s / kTimeConstantsToSettle),
       pitch_(config.inclinometer_settling_s / kTimeConstantsToSettle) {
   assert(is_finite(T_site_robot));
@@ -83,14 +90,14 @@ bool DeadReckoning::update(const MotionReading& reading) {
     return false;
   }
   const Pose before = pose_;
-  const double turn_rad = 0.5 * (last_.gyro_yaw_rate_rad_s + reading.gyro_yaw_rate_rad_s) * dt_s;
+  const double turned_rad = turn_rad(reading, distance_m, dt_s);
   pose_.roll_rad = wrap_angle(roll_.update(reading.inclinometer_roll_rad, dt_s));
   pose_.pitch_rad = std::clamp(pitch_.update(reading.inclinometer_pitch_rad, dt_s),
                                -std::numbers::pi / 2.0, std::numbers::pi / 2.0);
-  move(distance_m, turn_rad, before);
+  move(distance_m, turned_rad, before);
   const Eigen::Vector3d step_m(pose_.x_m - before.x_m, pose_.y_m - before.y_m,
                                pose_.z_m - before.z_m);
-  grow_covariance(step_m, turn_rad, dt_s);
+  grow_covariance(step_m, turned_rad, dt_s);
   last_ = reading;
   return true;
 }
@@ -100,6 +107,18 @@ void DeadReckoning::start(const MotionReading& reading) {
   roll_.reset(reading.inclinometer_roll_rad);
   pitch_.reset(reading.inclinometer_pitch_rad);
   has_reading_ = true;
+}
+
+/// Since the last reading; from wheels that stand the gyro learns its bias.
+double DeadReckoning::turn_rad(const MotionReading& reading, double distance_m, double dt_s) {
+  const double reading_rad_s = 0.5 * (last_.gyro_yaw_rate_rad_s + reading.gyro_yaw_rate_rad_s);
+  const double wheels_rad = wrap_angle(reading.odometer_yaw_rad - last_.odometer_yaw_rad);
+  const bool stands = std::abs(distance_m) < kStandsM && std::abs(wheels_rad) < kStandsRad;
+  stands_s_ = stands ? stands_s_ + dt_s : 0.0;
+  gyro_.pass(dt_s);
+  const bool settled = stands_s_ > kSettledS && dt_s > 0.0;
+  if (settled && !gyro_.stood(reading_rad_s, dt_s)) stands_s_ = 0.0;  // Somebody carries it.
+  return gyro_.rate_rad_s(reading_rad_s) * dt_s;
 }
 
 /// Equation (8) with the orientation half-way between `before` and the roll and pitch of now.

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "core/common/time.h"
+#include "core/pose/gyro_calibration.h"
 #include "core/pose/pose.h"
 
 namespace cairn {
@@ -30,6 +31,7 @@ struct DeadReckoningConfig {
   double yaw_sigma_per_rad = 0.015;
   /// [rad] Standard deviation of the inclinometer once settled.
   double incline_sigma_rad = 0.01;
+  GyroCalibrationConfig gyro{};
 
   friend bool operator==(const DeadReckoningConfig&, const DeadReckoningConfig&) = default;
 };
@@ -57,9 +59,10 @@ class SettlingObserver {
   double estimate_rad_ = 0.0;
 };
 
-/// The POSE module (T3.3): distance from the odometer (Eq. 2), yaw from the rate gyro, roll and
-/// pitch from the inclinometer with its settling delay undone by a first-order observer, position
-/// by Eq. 8. Keeps the covariance of (x, y, z, yaw), which grows with distance and turn.
+/// The POSE module (T3.3): distance from the odometer (Eq. 2), yaw from the rate gyro, whose bias
+/// and scale are learned, roll and pitch from the inclinometer with its settling delay undone by a
+/// first-order observer, position by Eq. 8. Keeps the covariance of (x, y, z, yaw), which grows
+/// with distance and turn.
 ///
 /// Slip, gyro scale and inclination errors last longer than a step, so their standard deviations
 /// grow in proportion to the way and turn since the last correction, however finely it is cut.
@@ -79,6 +82,13 @@ class DeadReckoning {
   /// Requires: a finite pose.
   void correct(const Pose& T_site_robot, const Eigen::Matrix4d& covariance);
 
+  /// Within the last `time_s` the pose turned by `turned_rad`, which was `missed_rad` too little by
+  /// what the surroundings say, to `sigma_rad`: for the gyro to learn from.
+  void learn(double missed_rad, double turned_rad, double time_s, double sigma_rad) {
+    (void)gyro_.missed(missed_rad, turned_rad, time_s, sigma_rad);
+  }
+  [[nodiscard]] const GyroCalibration& gyro() const { return gyro_; }
+
   [[nodiscard]] const Pose& pose() const { return pose_; }
   /// Covariance of (x [m], y [m], z [m], yaw [rad]).
   [[nodiscard]] const Eigen::Matrix4d& covariance() const { return covariance_; }
@@ -89,12 +99,15 @@ class DeadReckoning {
 
  private:
   void start(const MotionReading& reading);
+  [[nodiscard]] double turn_rad(const MotionReading& reading, double distance_m, double dt_s);
   void move(double distance_m, double turn_rad, const Pose& before);
   void grow_covariance(const Eigen::Vector3d& step_m, double turn_rad, double dt_s);
 
   DeadReckoningConfig config_;
   Pose pose_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
+  GyroCalibration gyro_;
+  double stands_s_ = 0.0;  ///< Since the wheels last turned.
   SettlingObserver roll_;
   SettlingObserver pitch_;
   MotionReading last_;

@@ -230,7 +230,7 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
   }
   std::vector<Eigen::Vector2d> way = follower_->ahead();
   way.insert(way.begin(), place_m);
-  const Ahead ahead = view.look_along(way, config_.look_m);
+  const Ahead ahead = view.look_along(with_room_at_end(way), config_.look_m);
   if (ahead.clear_m < std::min(config_.stop_short_m, follower_->to_go_m())) {
     wait_or_go_around(in_metres("something closes the way %.1f m ahead", ahead.clear_m),
                       ahead.clear_m, pose, map, clock, silence);
@@ -257,6 +257,15 @@ DriveCommand Driver::follow(const Pose& pose, const OwnMap& map, MonotonicTime c
   blocked_since_ = {};
   blocked_reported_ = false;
   return *command;
+}
+
+/// The way as far as the vehicle's front will get on it.
+std::vector<Eigen::Vector2d> Driver::with_room_at_end(std::vector<Eigen::Vector2d> way_m) const {
+  if (way_m.size() < 2) return way_m;
+  const Eigen::Vector2d last = way_m.back() - way_m[way_m.size() - 2];
+  if (last.norm() > 0.0)
+    way_m.emplace_back(way_m.back() + config_.stop_short_m * last.normalized());
+  return way_m;
 }
 
 std::optional<DriveCommand> Driver::with_room(const DriveCommand& command, const Pose& pose,

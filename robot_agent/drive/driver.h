@@ -115,6 +115,8 @@ class Driver {
   [[nodiscard]] bool must_back_out(const Pose& pose, const OwnMap& map) const;
   DriveCommand follow(const Pose& pose, const OwnMap& map, MonotonicTime clock,
                       std::optional<Duration> silence);
+  [[nodiscard]] std::vector<Eigen::Vector2d> with_room_at_end(
+      std::vector<Eigen::Vector2d> way_m) const;
   /// Before an unseen stretch: turns to it, backs up to look at it; nullopt when it must go around
   /// it or, as `crossable` says, may creep over it.
   std::optional<DriveCommand> look_into_gap(const Pose& pose, const LocalView& view,

@@ -51,7 +51,6 @@ Mapper::Mapper(const MapperConfig& config, std::vector<LaserSpec> lasers, const 
       incline_trust_(config.incline),
       ground_tracking_(config.ground_tracking),
       tracking_(config.tracking),
-      gyro_check_(config.dead_reckoning),
       writer_(config, boot, evidence),
       replica_(config.cell_size_mm, config.sensor_model, config.kept_bytes),
       localization_(config),
@@ -73,9 +72,10 @@ void Mapper::take_motion(const MotionReading& reading) {
   for (Drift* drift : {&since_correction_, &since_submap_, &since_previous_, &since_whole_}) {
     drift->add(before, dead_reckoning_.pose(), std::max(dt_s, 0.0));
   }
-  const double turned_rad = std::abs(wrap_angle(dead_reckoning_.pose().yaw_rad - before.yaw_rad));
-  submap_turned_rad_ += turned_rad;
+  const double turned_rad = wrap_angle(dead_reckoning_.pose().yaw_rad - before.yaw_rad);
+  submap_turned_rad_ += std::abs(turned_rad);
   gyro_check_.move(turned_rad, std::max(dt_s, 0.0));
+  if (gyro_check_.due()) gyro_check_.conclude(dead_reckoning_);
   place_robot();
   turn_submaps_over();
   if (writer_.open() != nullptr) writer_.touch_ground(T_site_robot_);
@@ -128,7 +128,7 @@ bool Mapper::in_section(const LaserSpec& laser) {
 
 void Mapper::leave_section() {
   tracking_.forget();
-  gyro_check_.restart();
+  gyro_check_.interrupt();
   section_z_m_.reset();
 }
 
@@ -139,7 +139,8 @@ void Mapper::track(const Scan& scan, const LaserSpec& laser) {
   if (!step.matched) return;
   const double turn_rad = wrap_angle(step.T_local_robot.yaw_rad - dead_reckoning_.pose().yaw_rad);
   // In a plane world there are no slopes; its logs may have no gyro either.
-  if (!laser.ground_along_beam && !gyro_check_.believes(turn_rad)) return leave_section();
+  const bool believed = gyro_check_.believes(turn_rad, dead_reckoning_.gyro());
+  if (!laser.ground_along_beam && !believed) return leave_section();
   gyro_check_.corrected(turn_rad);
   dead_reckoning_.correct(step.T_local_robot, Eigen::Matrix4d::Zero());
   for (Drift* drift : {&since_correction_, &since_submap_, &since_previous_, &since_whole_}) {

@@ -18,15 +18,22 @@ Cell News::folded(const Cell& known, const Cell& seen_through, const Cell& surfa
   return rules_.after_surface(rules_.after_seen_through(known, seen_through), surface);
 }
 
-News::Worth News::worth(const Cell& known, const Cell& after, std::int32_t ground_mm) const {
+bool News::still_stands(const Cell& known, const Cell& surface, std::int32_t ground_mm) const {
+  const auto stands = [&](const Cell& cell) {
+    return cell.probability >= config_.stands &&
+           std::int64_t{cell.height_mm} - ground_mm > config_.standing_mm;
+  };
+  const std::int64_t apart_mm = std::int64_t{surface.height_mm} - known.height_mm;
+  return stands(known) && stands(surface) && std::abs(apart_mm) < config_.standing_apart_mm;
+}
+
+News::Worth News::worth(const Cell& known, const Cell& after, const Cell& surface,
+                        std::int32_t ground_mm) const {
   const bool stands = after.probability >= config_.stands;
   if (!known.known()) return stands ? Worth::little : Worth::nothing;
+  if (still_stands(known, surface, ground_mm)) return Worth::nothing;
   if (!after.known()) return Worth::little;
   const std::int64_t higher_mm = std::int64_t{after.height_mm} - known.height_mm;
-  const std::int64_t lower_mm = std::min(after.height_mm, known.height_mm);
-  if (lower_mm - ground_mm > tolerance_mm_ && std::abs(higher_mm) < config_.standing_mm) {
-    return Worth::nothing;
-  }
   if (higher_mm > tolerance_mm_) return stands ? Worth::much : Worth::nothing;
   const double belief = std::abs(belief_.at(after.probability) - belief_.at(known.probability));
   const bool same = std::abs(higher_mm) < config_.height_mm && belief < config_.doubt;

@@ -20,11 +20,13 @@ struct NewsConfig {
   std::uint8_t stands = 200;
   /// [mm] A surface that would come to lie this much higher or lower is news.
   int height_mm = 20;
-  /// [mm] What stood above the ground beside it and still does, no more than this higher or lower,
-  /// is no news: where its edge lies in a cell decides which of its heights is seen there.
-  int standing_mm = 400;
+  /// [mm] What stood so high above the ground beside it that nothing gets over it, and still does,
+  int standing_mm = 200;
+  /// [mm] by no more than this higher or lower, is no news: where its edge lies in a cell decides
+  /// which of its heights is seen there.
+  int standing_apart_mm = 400;
   /// [s] What is no change of the world, only known better, may wait as long.
-  double patience_s = 5.0;
+  double patience_s = 10.0;
 };
 
 /// Tells news from confirmation, cell by cell.
@@ -41,10 +43,15 @@ class News {
     little,   ///< Known better, or for the first time.
     much,     ///< Something stands where nothing stood, or is gone.
   };
-  /// Of a cell becoming `after`. `ground_mm`: the lowest known beside it.
-  [[nodiscard]] Worth worth(const Cell& known, const Cell& after, std::int32_t ground_mm) const;
+  /// Of a cell becoming `after`, where the robot saw `surface`. `ground_mm`: the lowest known
+  /// beside it.
+  [[nodiscard]] Worth worth(const Cell& known, const Cell& after, const Cell& surface,
+                            std::int32_t ground_mm) const;
 
  private:
+  [[nodiscard]] bool still_stands(const Cell& known, const Cell& surface,
+                                  std::int32_t ground_mm) const;
+
   NewsConfig config_;
   int tolerance_mm_;
   FoldRules rules_;

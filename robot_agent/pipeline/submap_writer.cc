@@ -186,8 +186,9 @@ News::Worth SubmapWriter::worth_of(CellIndex cell) const {
   const bool told = seen_told.known() || surface_told.known();
   if (told && !known.known()) return News::Worth::little;
   const Cell before = news_.folded(known, seen_told, surface_told);
-  const Cell after = news_.folded(known, seen_through_.cell(cell), surface_.cell(cell));
-  const News::Worth worth = news_.worth(before, after, ground_beside_mm(cell, after));
+  const Cell surface = surface_.cell(cell);
+  const Cell after = news_.folded(known, seen_through_.cell(cell), surface);
+  const News::Worth worth = news_.worth(before, after, surface, ground_beside_mm(cell, after));
   if (worth == News::Worth::nothing || told) return worth;
   return is_of_its_edge(cell) ? News::Worth::nothing : worth;
 }

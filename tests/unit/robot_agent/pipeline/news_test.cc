@@ -15,7 +15,7 @@ constexpr std::int32_t kGroundMm = 0;
 class WhatIsNews : public ::testing::Test {
  protected:
   [[nodiscard]] News::Worth worth(const Cell& known, const Cell& seen, const Cell& surface) const {
-    return news_.worth(known, news_.folded(known, seen, surface), kGroundMm);
+    return news_.worth(known, news_.folded(known, seen, surface), surface, kGroundMm);
   }
   const SensorModel model_;
   const News news_{{}, model_};
