@@ -19,8 +19,9 @@ Cell News::folded(const Cell& known, const Cell& seen_through, const Cell& surfa
 }
 
 bool News::still_stands(const Cell& known, const Cell& surface, std::int32_t ground_mm) const {
+  constexpr std::uint8_t kLikely = 128;
   const auto stands = [&](const Cell& cell) {
-    return cell.probability >= config_.stands &&
+    return cell.probability >= kLikely &&
            std::int64_t{cell.height_mm} - ground_mm > config_.standing_mm;
   };
   const std::int64_t apart_mm = std::int64_t{surface.height_mm} - known.height_mm;
