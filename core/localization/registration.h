@@ -43,7 +43,7 @@ struct RegistrationConfig {
   /// [-] See Refinement. What stands there and is not on the map, or no more, misfits a little; a
   /// displaced part of the map is told by discord.
   double max_misfit = 1.2;
-  double max_discord = 4.5;  ///< [-] See Refinement.
+  double max_discord = 3.0;  ///< [-] See Refinement.
   /// [-] Basins whose score is worse than the best one's by less than this, in parts of their own,
   /// are refined as well: what they are worth shows only then.
   double min_distinctness = 0.12;

@@ -76,7 +76,7 @@ std::vector<CellIndex> entrances(const DrivableGrid& grid, const Eigen::Vector2d
   return cells;
 }
 
-std::string why_shut_in(const DrivableGrid& grid, CellIndex start) {
+std::string shut_in_at(const DrivableGrid& grid, CellIndex start) {
   char text[96];
   std::snprintf(text, sizeof text, "no open ground straight within %.2f m of the start, which ",
                 leave_reach(grid) * cell_m(grid));
@@ -245,7 +245,7 @@ Path plan_with(const DrivableGrid& grid, const PlanRequest& request, const Plann
   const auto start = cell_at(grid, request.start_m);
   if (!start) return no_path("the start lies outside the map");
   const std::vector<CellIndex> ways_in = entrances(grid, request.start_m, *start);
-  if (ways_in.empty()) return no_path(why_shut_in(grid, *start));
+  if (ways_in.empty()) return no_path(shut_in_at(grid, *start));
 
   const auto goal = cell_at(grid, request.goal_m);
   const std::string closed = goal ? why_closed(grid, *goal) : "lies outside the map";
@@ -278,6 +278,12 @@ Path plan(const DrivableGrid& grid, const Field& field, const PlanRequest& reque
     (void)goal;
     return field;
   });
+}
+
+std::string why_shut_in(const DrivableGrid& grid, const Eigen::Vector2d& place_m) {
+  const auto cell = cell_at(grid, place_m);
+  if (!cell) return "the start lies outside the map";
+  return entrances(grid, place_m, *cell).empty() ? shut_in_at(grid, *cell) : std::string();
 }
 
 }  // namespace cairn

@@ -68,4 +68,7 @@ struct PlanRequest {
 [[nodiscard]] bool line_is_open(const DrivableGrid& grid, const Eigen::Vector2d& from_m,
                                 const Eigen::Vector2d& to_m);
 
+/// Why no path whatever can begin there; empty when some can. Requires: it is finite.
+[[nodiscard]] std::string why_shut_in(const DrivableGrid& grid, const Eigen::Vector2d& place_m);
+
 }  // namespace cairn

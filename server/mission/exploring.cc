@@ -39,6 +39,7 @@ FrontierChoice choose_frontier(const DrivableGrid& grid, const ExploreWish& wish
     }
     choice.unreachable_m.push_back(frontier.place_m);
   }
+  choice.shut_in = why_shut_in(grid, wish.from_m);
   return choice;
 }
 
@@ -52,6 +53,15 @@ bool still_a_frontier(const DrivableGrid& grid, const ExploreWish& wish,
       return (middle_m - place_m).norm() <= kStillThereM;
     });
   });
+}
+
+void end_exploring(Task& task, const FrontierChoice& choice) {
+  task.state = choice.shut_in.empty() ? TaskState::done : TaskState::failed;
+  task.why = choice.shut_in.empty() ? "nothing that can be reached is left to explore"
+                                    : "it cannot leave where it stands: " + choice.shut_in;
+  if (task.avoided_m.empty()) return;
+  task.why +=
+      "; " + std::to_string(task.avoided_m.size()) + " places showed nothing new or had no way";
 }
 
 }  // namespace cairn::server

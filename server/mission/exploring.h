@@ -1,10 +1,12 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/frontier/frontier.h"
 #include "core/planner/plan.h"
+#include "server/mission/task.h"
 
 namespace cairn::server {
 
@@ -21,6 +23,7 @@ struct FrontierChoice {
   Path path;                                   ///< To it.
   std::vector<Eigen::Vector2d> unreachable_m;  ///< Tried in vain; to be avoided.
   std::size_t claimed = 0;                     ///< Frontiers left to other robots.
+  std::string shut_in;  ///< Why the robot can go nowhere at all; empty: it can.
 };
 
 /// [m] Frontiers this near an avoided place are that place.
@@ -38,5 +41,8 @@ inline constexpr int kMaxTries = 8;
 /// Whether there is still something new to see at a place that was chosen.
 [[nodiscard]] bool still_a_frontier(const DrivableGrid& grid, const ExploreWish& wish,
                                     const Eigen::Vector2d& place_m);
+
+/// Ends a task for which there was twice nothing to choose: done, unless the robot is shut in.
+void end_exploring(Task& task, const FrontierChoice& choice);
 
 }  // namespace cairn::server

@@ -251,14 +251,11 @@ void Mission::plan_leg(const Robot& robot, const Task& task, OnPlanned done) {
     planned.map_version = map->version;
     const auto grid = drivable_grid(*map, {wish.from_m}, planner, self->config_.min_probability);
     if (!grid) {
-      planned.path.why = grid.error().message;
+      planned.choice.shut_in = grid.error().message;
     } else {
       planned.choice = choose_frontier(*grid, wish, planner);
       planned.path = planned.choice.path;
-      if (!planned.choice.frontier) {
-        planned.path.status = PathStatus::none;
-        planned.path.why = "nothing that can be reached is left to explore";
-      }
+      if (!planned.choice.frontier) planned.path.status = PathStatus::none;
     }
     asio::post(self->strand_, [done, planned = std::move(planned)] { done(planned); });
   });
@@ -321,11 +318,7 @@ void Mission::nothing_to_explore(const std::string& id, Duty& duty, Task& task,
     return;
   }
   if (!std::exchange(duty.waited, true)) return;  // Evidence may still be on its way.
-  task.state = TaskState::done;
-  task.why = planned.path.why;
-  if (!task.avoided_m.empty()) {
-    task.why += fmt::format("; {} places showed nothing new or had no way", task.avoided_m.size());
-  }
+  end_exploring(task, planned.choice);
   duty.tasks.settle();
   // It may still be on its way to a place that has been seen meanwhile.
   const auto goal = goals_.find(id);

@@ -56,7 +56,7 @@ class Explorer {
         waited = false;
         drive_to(choice.frontier->place_m);
       } else if (std::exchange(waited, true)) {
-        task_.state = server::TaskState::done;
+        server::end_exploring(task_, choice);
       } else {
         robot_.wait(kLookPause);
       }

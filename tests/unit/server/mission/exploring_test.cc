@@ -73,5 +73,30 @@ TEST(StillAFrontier, AsLongAsUnseenGroundIsNearThePlace) {
   EXPECT_FALSE(still_a_frontier(grid, wish_at(15.0), {15.0, 2.0}));
 }
 
+TEST(EndExploring, IsDoneWhenNothingIsLeft) {
+  ExploreWish wish = wish_at(8.0);
+  wish.area = AreaM{10.0, 0.0, 20.0, 4.0};
+  const auto choice = choose_frontier(corridor(), wish, planner());
+  ASSERT_FALSE(choice.frontier);
+  Task task;
+  end_exploring(task, choice);
+  EXPECT_EQ(task.state, TaskState::done);
+}
+
+TEST(EndExploring, FailsWhenTheRobotIsShutInAndSaysWhy) {
+  DrivableGrid grid = corridor();
+  HeightGrid heights = grid.heights;
+  for (const std::int32_t x : {45, 46, 54, 55}) {  // Two walls across, the robot between them.
+    for (std::int32_t y = 0; y < 16; ++y) heights.height_mm[heights.at({x, y})] = 1000;
+  }
+  PlannerConfig wide = planner();
+  wide.limits.radius_m = 2.0;
+  const auto choice = choose_frontier(make_drivable(std::move(heights), wide), wish_at(12.5), wide);
+  Task task;
+  end_exploring(task, choice);
+  EXPECT_EQ(task.state, TaskState::failed);
+  EXPECT_NE(task.why.find("cannot leave where it stands"), std::string::npos) << task.why;
+}
+
 }  // namespace
 }  // namespace cairn::server
