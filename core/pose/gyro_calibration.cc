@@ -30,14 +30,14 @@ bool GyroCalibration::missed(double missed_rad, double turned_rad, double time_s
 }
 
 bool GyroCalibration::update(const Eigen::Vector2d& H, double innovation, double variance) {
-  const Eigen::Vector2d PHt = covariance_ * H;
-  const double S = H.dot(PHt) + variance;
+  const Eigen::Vector2d shared = covariance_ * H;
+  const double S = H.dot(shared) + variance;
   if (!(innovation * innovation <= config_.gate_sigmas * config_.gate_sigmas * S)) return false;
-  const Eigen::Vector2d K = PHt / S;
+  const Eigen::Vector2d K = shared / S;
   state_ += K * innovation;
   // Joseph's form keeps it positive.
-  const Eigen::Matrix2d I_KH = Eigen::Matrix2d::Identity() - K * H.transpose();
-  covariance_ = I_KH * covariance_ * I_KH.transpose() + variance * K * K.transpose();
+  const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - K * H.transpose();
+  covariance_ = left * covariance_ * left.transpose() + variance * K * K.transpose();
   return true;
 }
 
