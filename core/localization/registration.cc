@@ -331,12 +331,18 @@ class Registering {
         answer.misfit > config_.max_misfit) {
       return "the heights do not agree";
     }
-    if (answer.discord > config_.max_discord) return "one part of the map contradicts another";
+    const double most = is_small_step(match.place) ? config_.max_discord : config_.max_bold_discord;
+    if (answer.discord > most) return "one part of the map contradicts another";
     if (beyond_window(match.place)) return "it is best beyond the window";
     if (!answer.wide && answer.innovation > config_.max_innovation) {
       return "too far from where the robot can be";
     }
     return answer.wide ? wide_objection(answer, start) : "";
+  }
+
+  [[nodiscard]] bool is_small_step(const RobotPlace& place) const {
+    const RobotPlace off = difference(place, prior_place());
+    return off.head<2>().norm() < config_.small_step_m && std::abs(off[3]) < config_.small_step_rad;
   }
 
   /// The wide search trusts the match more than the prior, so the match must be beyond doubt.

@@ -43,7 +43,13 @@ struct RegistrationConfig {
   /// [-] See Refinement. What stands there and is not on the map, or no more, misfits a little; a
   /// displaced part of the map is told by discord.
   double max_misfit = 1.2;
-  double max_discord = 3.0;  ///< [-] See Refinement.
+  double max_discord = 4.5;  ///< [-] See Refinement.
+  /// [-] The same where the match would move the robot by more than `small_step_m` or
+  /// `small_step_rad`: of many registrations with maps of which a part was displaced, those that
+  /// moved it to a wrong place had more.
+  double max_bold_discord = 3.0;
+  double small_step_m = 0.15;
+  double small_step_rad = 0.02;
   /// [-] Basins whose score is worse than the best one's by less than this, in parts of their own,
   /// are refined as well: what they are worth shows only then.
   double min_distinctness = 0.12;
