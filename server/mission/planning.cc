@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace cairn::server {
@@ -92,9 +93,40 @@ std::vector<Eigen::Vector2d> rest_of(const std::vector<Eigen::Vector2d>& path_m,
   return rest;
 }
 
+namespace {
+
+CellIndex cell_of(const DrivableGrid& grid, const Eigen::Vector2d& p_m) {
+  const double cells_per_m = 1000.0 / grid.heights.cell_size_mm;
+  return {static_cast<std::int32_t>(std::floor(p_m.x() * cells_per_m)),
+          static_cast<std::int32_t>(std::floor(p_m.y() * cells_per_m))};
+}
+
+/// The first open place on the way from `from_m` to `to_m`, as near as a plan's way out may be and
+/// before any obstacle.
+std::optional<Eigen::Vector2d> way_out(const DrivableGrid& grid, const Eigen::Vector2d& from_m,
+                                       const Eigen::Vector2d& to_m) {
+  const double cell_m = grid.heights.cell_size_mm / 1000.0;
+  const Eigen::Vector2d way = to_m - from_m;
+  const double reach_m = std::min(way.norm(), 2.0 * (grid.limits.radius_m + cell_m));
+  const Eigen::Vector2d ahead = way.norm() > 0.0 ? way.normalized() : Eigen::Vector2d::Zero();
+  const CellIndex start = cell_of(grid, from_m);
+  for (double way_m = 0.0; way_m <= reach_m; way_m += 0.5 * cell_m) {
+    const Eigen::Vector2d p_m = from_m + way_m * ahead;
+    const CellIndex cell = cell_of(grid, p_m);
+    if (!grid.heights.contains(cell)) return std::nullopt;
+    const std::size_t at = grid.heights.at(cell);
+    if (grid.open[at] != 0) return p_m;
+    if (cell != start && grid.classes[at] == CellClass::obstacle) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 bool path_is_open(const DrivableGrid& grid, const std::vector<Eigen::Vector2d>& path_m) {
   for (std::size_t i = 0; i + 1 < path_m.size(); ++i) {
-    if (!line_is_open(grid, path_m[i], path_m[i + 1])) return false;
+    const auto from_m = i == 0 ? way_out(grid, path_m[0], path_m[1]) : std::optional(path_m[i]);
+    if (!from_m || !line_is_open(grid, *from_m, path_m[i + 1])) return false;
   }
   return true;
 }

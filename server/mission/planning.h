@@ -37,7 +37,8 @@ struct MapWindow {
 [[nodiscard]] std::vector<Eigen::Vector2d> rest_of(const std::vector<Eigen::Vector2d>& path_m,
                                                    const Eigen::Vector2d& place_m);
 
-/// Every leg of the path crosses only open cells.
+/// Every leg of the path crosses only open cells, from where it leaves the closed ones that it may
+/// begin in: plan() leads out of them.
 [[nodiscard]] bool path_is_open(const DrivableGrid& grid,
                                 const std::vector<Eigen::Vector2d>& path_m);
 

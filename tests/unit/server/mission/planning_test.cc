@@ -151,6 +151,18 @@ TEST(PathIsOpen, AlongsideAWall) {
   EXPECT_TRUE(path_is_open(grid_of(one_tile(32)), {{1, 1}, {3, 1}, {3, 7}}));
 }
 
+TEST(PathIsOpen, WhenItLeadsOutOfTheWallsNearness) {
+  EXPECT_TRUE(path_is_open(grid_of(one_tile(32)), {{3.8, 1}, {3, 1}, {3, 7}}));
+}
+
+TEST(PathIsOpen, NotWhenItWouldLeaveItThroughTheWall) {
+  EXPECT_FALSE(path_is_open(grid_of(one_tile(32)), {{3.8, 1}, {7, 1}}));
+}
+
+TEST(PathIsOpen, NotWhenItStaysInIt) {
+  EXPECT_FALSE(path_is_open(grid_of(one_tile(32)), {{3.8, 1}, {3.8, 7}}));
+}
+
 TEST(PathIsOpen, NotOffTheMap) {
   EXPECT_FALSE(path_is_open(grid_of(one_tile(), {{12, 1}}), {{1, 1}, {12, 1}}));
 }
