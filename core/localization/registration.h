@@ -45,8 +45,7 @@ struct RegistrationConfig {
   double max_misfit = 1.2;
   double max_discord = 4.5;  ///< [-] See Refinement.
   /// [-] The same where the match would move the robot by more than `small_step_m` or
-  /// `small_step_rad`: of many registrations with maps of which a part was displaced, those that
-  /// moved it to a wrong place had more.
+  /// `small_step_rad`: a wrong small step does little harm, and is put right by the next.
   double max_bold_discord = 3.0;
   double small_step_m = 0.15;
   double small_step_rad = 0.02;

@@ -1,5 +1,6 @@
 #include "core/pose/gyro_calibration.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -12,9 +13,12 @@ GyroCalibration::GyroCalibration(const GyroCalibrationConfig& config)
                       .asDiagonal()) {}
 
 void GyroCalibration::pass(double dt_s) {
-  covariance_(0, 0) += config_.scale_walk_per_sqrt_s * config_.scale_walk_per_sqrt_s * dt_s;
-  covariance_(1, 1) +=
-      config_.bias_walk_rad_s_per_sqrt_s * config_.bias_walk_rad_s_per_sqrt_s * dt_s;
+  const Eigen::Vector2d walk(config_.scale_walk_per_sqrt_s, config_.bias_walk_rad_s_per_sqrt_s);
+  const Eigen::Vector2d prior(config_.scale_sigma, config_.bias_sigma_rad_s);
+  for (int i = 0; i < 2; ++i) {
+    const double room = std::max(0.0, prior[i] * prior[i] - covariance_(i, i));
+    covariance_(i, i) += std::min(walk[i] * walk[i] * dt_s, room);
+  }
 }
 
 bool GyroCalibration::stood(double reading_rad_s, double dt_s) {
@@ -35,6 +39,7 @@ bool GyroCalibration::update(const Eigen::Vector2d& H, double innovation, double
   if (!(innovation * innovation <= config_.gate_sigmas * config_.gate_sigmas * S)) return false;
   const Eigen::Vector2d K = shared / S;
   state_ += K * innovation;
+  state_[0] = std::clamp(state_[0], -kMaxScale, kMaxScale);
   // Joseph's form keeps it positive.
   const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - K * H.transpose();
   covariance_ = left * covariance_ * left.transpose() + variance * K * K.transpose();

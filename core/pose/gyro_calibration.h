@@ -18,15 +18,19 @@ struct GyroCalibrationConfig {
 
 /// A rate gyro's bias and scale, learned while driving: a robot whose wheels stand does not turn,
 /// and what the surroundings say a robot turned by, the gyro should have said too. A Kalman filter
-/// over two states that hardly change: reading = (1 + scale) · rate + bias.
+/// over two states that hardly change: reading = (1 + scale) · rate + bias. However long the time
+/// between readings, it never knows less than beforehand, and the scale stays within ±kMaxScale.
 class GyroCalibration {
  public:
+  static constexpr double kMaxScale = 0.2;  ///< [-] No gyro is worse; a reading is divided by it.
+
   explicit GyroCalibration(const GyroCalibrationConfig& config);
 
   /// [rad/s] What the gyro should have read.
   [[nodiscard]] double rate_rad_s(double reading_rad_s) const {
     return (reading_rad_s - bias_rad_s()) / (1.0 + scale());
   }
+  /// Requires: dt_s ≥ 0.
   void pass(double dt_s);
   /// The wheels stood for this long, the gyro reading this in the mean. Requires: dt_s > 0.
   /// Returns whether the gyro agrees: else somebody turns the robot.

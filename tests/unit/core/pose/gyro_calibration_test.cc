@@ -56,6 +56,22 @@ TEST(GyroCalibration, DoesNotLearnFromARobotThatIsTurnedByHand) {
   EXPECT_EQ(calibration.bias_rad_s(), 0.0);
 }
 
+TEST(GyroCalibration, KnowsNoLessAfterYearsThanBeforehand) {
+  GyroCalibration calibration({});
+  const double before_rad = calibration.sigma_rad(1.0, 1.0);
+  calibration.pass(1e12);
+  EXPECT_EQ(calibration.sigma_rad(1.0, 1.0), before_rad);
+}
+
+TEST(GyroCalibration, StaysWithinItsBoundsWhateverItIsTaught) {
+  GyroCalibrationConfig unsure;
+  unsure.scale_sigma = 10.0;
+  GyroCalibration calibration(unsure);
+  EXPECT_TRUE(calibration.missed(3.0, 3.0, 1.0, 0.003));
+  EXPECT_EQ(calibration.scale(), -GyroCalibration::kMaxScale);
+  EXPECT_TRUE(std::isfinite(calibration.rate_rad_s(1.0)));
+}
+
 TEST(GyroCalibration, KeepsTheHeadingOfARobotThatStands) {
   Gyro gyro;
   DeadReckoning dead_reckoning({}, {});
